@@ -1,0 +1,1 @@
+"""fibermelt: where a short-fiber polymer bead will void."""

@@ -1,0 +1,5 @@
+"""``python -m fibermelt``: the command line."""
+
+from fibermelt.cli import main
+
+main()

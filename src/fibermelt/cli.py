@@ -1,0 +1,156 @@
+"""The command line: thin, and a person's mistake never ends in a traceback.
+
+Exit codes: 0 done; 2 what the user can cause or cure, with one line for each fault on standard
+error; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fibermelt.errors import FibermeltError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["app", "main"]
+
+MISTAKE = 2
+"""Exit code of a `FibermeltError`: a study, a folder or a solve that cannot be as it is."""
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
+
+app = typer.Typer(
+    help="Where a short-fiber polymer bead will void.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+StudyArgument = Annotated[
+    str, typer.Argument(help="A study: the path of a TOML file, or a shipped one such as `paper`.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        "-s",
+        metavar="KEY=VALUE",
+        help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times.',
+    ),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turn a `FibermeltError` into lines on standard error and an exit code."""
+    try:
+        yield
+    except FibermeltError as error:
+        for line in str(error).splitlines():
+            typer.echo(f"error: {line}", err=True)
+        raise typer.Exit(MISTAKE) from None
+
+
+@app.command()
+def run(
+    study: StudyArgument,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Results folder; results/<study> by default."),
+    ] = None,
+    sets: SetOption = None,
+    as_json: JsonOption = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Compute everything again, whatever is stored.")
+    ] = False,
+) -> None:
+    """Run a study into a results folder; what is stored there already is reused."""
+    with _told():
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
+        from fibermelt.study.loading import load_study  # noqa: PLC0415
+        from fibermelt.study.progress import observing  # noqa: PLC0415
+        from fibermelt.study.runner import run_study  # noqa: PLC0415
+        from fibermelt.study.summary import in_words  # noqa: PLC0415
+
+        resolved = load_study(study, sets or [])
+        folder = Path("results", resolved.name) if out is None else out
+        try:
+            with observing() as observer:
+                summary = run_study(
+                    resolved, folder, CHAIN, draw=_draw, fresh=fresh, observer=observer
+                )
+        except KeyboardInterrupt:
+            typer.echo(
+                "interrupted: finished stages are kept, the same command goes on from them",
+                err=True,
+            )
+            raise typer.Exit(INTERRUPTED) from None
+        typer.echo(json.dumps(summary, indent=1) if as_json else in_words(summary, folder))
+
+
+def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw the figures: wired here, since the study does not know the report."""
+    from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy: matplotlib
+
+    return draw_figures(results, folder)
+
+
+@app.command()
+def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:
+    """Check a study without running it, and say what is wrong with it."""
+    with _told():
+        from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.parameters import flatten  # noqa: PLC0415
+
+        resolved = load_study(study, sets or [])
+        if as_json:
+            typer.echo(json.dumps(flatten(resolved.config), indent=1))
+        else:
+            typer.echo(f"{study}: a valid study ({resolved.origin})")
+
+
+@app.command()
+def defaults(as_json: JsonOption = False) -> None:
+    """Print every parameter with its default, range, unit, meaning and source, as TOML."""
+    with _told():
+        from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.parameters import declarations  # noqa: PLC0415
+        from fibermelt.study.toml import defaults_toml  # noqa: PLC0415
+
+        if not as_json:
+            typer.echo(defaults_toml(), nl=False)
+            return
+        listed = {
+            item.key: {
+                "default": item.default,
+                "unit": item.unit,
+                "range": item.range,
+                "meaning": item.doc,
+                "source": item.source,
+            }
+            for item in declarations(Config)
+        }
+        typer.echo(json.dumps(listed, indent=1))
+
+
+@app.command()
+def version(as_json: JsonOption = False) -> None:
+    """Print the version."""
+    from importlib.metadata import version as installed  # noqa: PLC0415  only here
+
+    number = installed("fibermelt")
+    typer.echo(json.dumps({"fibermelt": number}) if as_json else f"fibermelt {number}")

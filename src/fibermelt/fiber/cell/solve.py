@@ -1,0 +1,123 @@
+"""The two flows of a confined fiber."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.cell.mesh import CurvedMesh, curved_mesh
+from fibermelt.fiber.cell.stokes import Fields, Modes, sample_fields, solve_modes
+from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution
+from fibermelt.fiber.cell_grid import CellGrid
+from fibermelt.fiber.cell_surface import project_harmonics, surface_angles
+from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.shape import Ellipse
+
+__all__ = ["cell_grid", "solve_cell"]
+
+Index = NDArray[np.intp]
+
+
+def solve_cell(
+    fiber: Ellipse, domain_size: float, numerics: CellNumerics | None = None
+) -> CellSolution:
+    """Solve the cell's two flows.
+
+    Parameters
+    ----------
+    fiber : Ellipse
+        The fiber; its half-length only scales the answer.
+    domain_size : float
+        ``M``: the cell's radius is ``M a/2``, so ``M > 2`` holds the fiber. Tried from 2.0001 to
+        200 with aspect ratios from 1 to 50.
+    numerics : CellNumerics, optional
+        Order, spacings, pressure level, error estimate.
+
+    Returns
+    -------
+    CellSolution
+        Shape factor, surface pressure basis, fields and error estimate.
+
+    Raises
+    ------
+    ConfigError
+        If the fiber does not fit into its cell.
+    ConvergenceError
+        If the linear solve leaves a residual.
+    """
+    numerics = CellNumerics() if numerics is None else numerics
+    grid = cell_grid(fiber, domain_size, numerics)
+    mesh = curved_mesh(grid, numerics.order)
+    modes = solve_modes(mesh)
+    fields = sample_fields(mesh, modes, numerics)
+    response = _response(fiber, mesh, modes, fields)
+    estimate = None
+    if numerics.estimate:
+        finer = curved_mesh(grid, numerics.order + 1)
+        finer_modes = solve_modes(finer)
+        finer_fields = sample_fields(finer, finer_modes, numerics)
+        estimate = _compare(response, _response(fiber, finer, finer_modes, finer_fields))
+    cells, edges = _drawing(grid, numerics.order)
+    return CellSolution(
+        response=response,
+        domain_size=domain_size,
+        error_estimate=estimate,
+        unknowns=modes.unknowns,
+        elements=grid.columns * grid.rows,
+        residual=modes.residual,
+        points=fields.points.reshape(-1, 2),
+        cells=cells,
+        element_edges=edges,
+        velocity=fields.velocity.reshape(-1, 2, 2),
+        pressure=fields.pressure.reshape(-1, 2),
+    )
+
+
+def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid:
+    """Return the grid of a cell; refuse one that cannot hold its fiber (`ConfigError`)."""
+    if not (np.isfinite(domain_size) and domain_size > 2):
+        msg = (
+            f"fiber.domain_size = {domain_size:g}: the cell's radius is domain_size/2 half-lengths "
+            "and must exceed one, or the fiber is larger than its cell; the paper takes 4"
+        )
+        raise ConfigError(msg)
+    return CellGrid(
+        1.0 / fiber.aspect_ratio,
+        0.5 * domain_size,
+        numerics.angular_spacing,
+        numerics.radial_spacing,
+    )
+
+
+def _response(fiber: Ellipse, mesh: CurvedMesh, modes: Modes, fields: Fields) -> FiberResponse:
+    """Return shape factor and surface pressure as the fiber's response."""
+    basis = project_harmonics(mesh.grid, mesh.order, fields.pressure[:, 0, :])
+    angles = surface_angles(mesh.grid)
+    return FiberResponse(fiber.aspect_ratio, modes.shape_factor, angles, basis)
+
+
+def _compare(coarse: FiberResponse, fine: FiberResponse) -> CellError:
+    """Return the differences of two solutions, scaled as `CellError` says."""
+    largest = fine.support.largest
+    return CellError(
+        shape_factor=abs(coarse.shape_factor - fine.shape_factor),
+        tip_pressure=abs(coarse.tip_pressure / fine.tip_pressure - 1.0),
+        surface_pressure=float(np.max(np.abs(coarse.basis - fine.basis))) / largest,
+    )
+
+
+def _drawing(grid: CellGrid, order: int) -> tuple[Index, Index]:
+    """Return triangles and element edges of the sampled nodes, as flat indices."""
+    around, outward = grid.columns * order, grid.rows * order + 1
+    node = np.arange(around * outward).reshape(around, outward)
+    following = np.roll(node, -1, axis=0)
+    a, b = node[:, :-1].ravel(), node[:, 1:].ravel()
+    c, d = following[:, 1:].ravel(), following[:, :-1].ravel()
+    cells = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
+    steps = np.arange(order + 1)
+    starts = np.arange(0, around, order)
+    rays = node[starts][:, np.arange(0, outward - 1, order)[:, None] + steps]
+    rings = node[(starts[:, None] + steps) % around][:, :, ::order]
+    edges = [rays.reshape(-1, order + 1), np.moveaxis(rings, 1, -1).reshape(-1, order + 1)]
+    return cells, np.concatenate(edges)

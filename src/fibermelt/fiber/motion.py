@@ -1,0 +1,188 @@
+"""How a fiber turns along its path, for any number of initial angles at once.
+
+``theta_dot = W_21 + B D_12(local)`` (the paper's Eq. 59 with the notes' signs, ``B`` the confined
+fiber's shape factor) is the angle of the linear system ``F_dot = (W + B D) F``, ``F(0) = I``.
+
+The gradient between the path's points, and the error control, are in `fibermelt.fiber.magnus`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.magnus import interval_propagators
+from fibermelt.fiber.paths import Path, strain_polar, stream_angle
+from fibermelt.fiber.propagator import Propagator, cumulate
+
+__all__ = [
+    "Motion",
+    "angle_to_stream",
+    "angle_to_stream_at",
+    "fold_angle",
+    "follow",
+    "isotropic_angles",
+    "paper_angles",
+]
+
+Array = NDArray[np.float64]
+
+ANGLE_TOLERANCE = 1e-8
+"""Largest angle error over a path [rad] that is left to the time integration."""
+
+
+def paper_angles() -> Array:
+    """Return the paper's 13 initial angles, -90 to 90 degrees in steps of 15 [rad] (section 3)."""
+    return np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
+
+
+def isotropic_angles(count: int) -> Array:
+    """Return ``count`` directions of equal weight over the half turn [rad], the cells' middles."""
+    if count < 1:
+        msg = f"count = {count}: an isotropic start needs at least 1 direction"
+        raise ConfigError(msg)
+    return np.pi * ((np.arange(count) + 0.5) / count - 0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The angles of fibers along a path.
+
+    Parameters
+    ----------
+    initial_angles : (n_angles,) array
+        Angles at the start [rad] from the x axis.
+    angle : (..., n_angles, n) array
+        Angles [rad], continuous in time: a tumbling fiber goes on counting.
+    deformation : Propagator
+        ``F`` with ``p = F p_0/|F p_0|``, leading shape (..., n).
+    spin : (..., n_angles, n) array
+        ``theta_dot`` [1/s].
+    substeps : int
+        Largest number of sub-steps that an interval took.
+    """
+
+    initial_angles: Array
+    angle: Array
+    deformation: Propagator
+    spin: Array
+    substeps: int
+
+
+def follow(
+    path: Path,
+    shape_factor: float,
+    initial_angles: Array,
+    tolerance: float = ANGLE_TOLERANCE,
+) -> Motion:
+    """Follow fibers along a path from all initial angles at once.
+
+    Parameters
+    ----------
+    path : FlowHistory or PathBundle
+        One path (n points) or several of equal length (leading axis).
+    shape_factor : float
+        ``B`` [-] of the confined fiber, or Jeffery's ``xi``.
+    initial_angles : (n_angles,) array
+        Angles from the x axis at the start [rad]; any number.
+    tolerance : float
+        Angle error of the time integration over the whole path [rad], by halving: a bound on the
+        local errors' sum for the interpolated gradient. The rounding of ``F`` adds
+        ``1e-16 |F|/|F p_0|``, which matters only for a start within ``1e-8`` of the direction from
+        which all others flee, after a stretch by ``1e8``.
+
+    Returns
+    -------
+    Motion
+        Angles (..., n_angles, n), starting exactly at ``initial_angles``.
+
+    Raises
+    ------
+    ConfigError
+        If an angle, the shape factor or the tolerance is not usable.
+    ConvergenceError
+        If an interval needs more than ``2**16`` sub-steps.
+    """
+    angles = np.asarray(initial_angles, dtype=np.float64)
+    if angles.ndim != 1 or angles.size == 0 or not np.all(np.isfinite(angles)):
+        msg = f"initial_angles = {angles}: must be a list of finite angles in radians"
+        raise ConfigError(msg)
+    if not (np.isfinite(shape_factor) and tolerance > 0):
+        msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
+        raise ConfigError(msg)
+    steps, substeps = interval_propagators(path, shape_factor, tolerance)
+    deformation = cumulate(steps)
+    at_angles = Propagator(
+        deformation.matrix[..., None, :, :, :],
+        deformation.scale[..., None, :],
+        deformation.turn[..., None, :],
+    )
+    angle = at_angles.angles(angles[:, None])
+    angle[..., 0] = angles
+    return Motion(angles, angle, deformation, _spin(path, shape_factor, angle), substeps)
+
+
+def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
+    """Return ``theta_dot = W_21 + B D_12(local)`` [1/s], the paper's Eq. 59."""
+    size, double = strain_polar(path.gradient)
+    melt = 0.5 * (path.gradient[..., 1, 0] - path.gradient[..., 0, 1])
+    local = np.sin(double[..., None, :] - 2.0 * angle)
+    spin: Array = melt[..., None, :] + shape_factor * size[..., None, :] * local
+    return spin
+
+
+def fold_angle(angle: Array) -> Array:
+    """Return angles in (-pi/2, pi/2] [rad]: a fiber has no preferred end."""
+    folded: Array = angle - np.pi * np.ceil(angle / np.pi - 0.5)
+    return folded
+
+
+def angle_to_stream(path: Path, motion: Motion) -> Array:
+    """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n)."""
+    return fold_angle(motion.angle - stream_angle(path)[..., None, :])
+
+
+def angle_to_stream_at(path: Path, motion: Motion, times: Array) -> Array:
+    """Return the fibers' angles to the streamline at given times [rad] in (-pi/2, pi/2].
+
+    Parameters
+    ----------
+    path, motion
+        What `follow` was given, and what it returned.
+    times : (..., k) array
+        Times on the path [s], such as those at which the zones are reached.
+
+    Returns
+    -------
+    (..., n_angles, k) array
+        By cubic Hermite interpolation of the angle (its rate is known) and linear interpolation
+        of the velocity's direction.
+
+    Raises
+    ------
+    ConfigError
+        If a time lies outside the path.
+    """
+    time = path.time
+    times = np.asarray(times, dtype=np.float64)
+    if np.any(times < time[..., :1]) or np.any(times > time[..., -1:]):
+        msg = f"times = {times}: outside the path, {time[..., 0].min()} to {time[..., -1].max()} s"
+        raise ConfigError(msg)
+    after = (time[..., None, :] <= times[..., :, None]).sum(axis=-1)
+    index = np.clip(after - 1, 0, time.shape[-1] - 2)
+    t0 = np.take_along_axis(time, index, -1)
+    step = np.take_along_axis(time, index + 1, -1) - t0
+    u = ((times - t0) / step)[..., None, :]
+    stream = stream_angle(path)
+    stream0 = np.take_along_axis(stream, index, -1)
+    direction = stream0 + u[..., 0, :] * (np.take_along_axis(stream, index + 1, -1) - stream0)
+    shape = (*motion.angle.shape[:-1], times.shape[-1])
+    at = np.broadcast_to(index[..., None, :], shape)
+    a0, a1 = (np.take_along_axis(motion.angle, at + k, -1) for k in (0, 1))
+    w0, w1 = (np.take_along_axis(motion.spin, at + k, -1) * step[..., None, :] for k in (0, 1))
+    bend, twist = 3.0 * (a1 - a0) - 2.0 * w0 - w1, w0 + w1 - 2.0 * (a1 - a0)
+    angle = a0 + u * (w0 + u * (bend + u * twist))
+    return fold_angle(angle - direction[..., None, :])

@@ -1,0 +1,139 @@
+"""The pressure on a moving fiber's surface, at every step, by its support function.
+
+All pressures are relative to the streamline's ``p_psi`` [Pa]. With ``D = d (cos 2 beta, sin 2
+beta)`` in the axes of the flow and the fiber at ``theta`` the phase is ``phi = 2 (beta - theta)``:
+highest ``mu d h(phi)``, lowest ``-mu d h(phi + pi)`` (see `fibermelt.fiber.response`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.motion import Motion
+from fibermelt.fiber.paths import Path, strain_polar
+from fibermelt.fiber.response import FiberResponse
+
+__all__ = [
+    "PressureBounds",
+    "SurfacePressure",
+    "pressure_bounds",
+    "surface_pressure",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePressure:
+    """Lowest and highest pressure on the surface along the way.
+
+    Parameters
+    ----------
+    lowest, highest : (..., n_angles, n) array
+        Over the surface, relative to the streamline's pressure [Pa].
+    phase : (..., n_angles, n) array
+        ``2 (beta - theta)``, twice the angle from the fiber to the stretching direction [rad].
+    amplitude : (..., n) array
+        ``mu d`` [Pa].
+    response : FiberResponse
+        The fiber that answered.
+    """
+
+    lowest: Array
+    highest: Array
+    phase: Array
+    amplitude: Array
+    response: FiberResponse
+
+    @cached_property
+    def where_lowest(self) -> Array:
+        """Return the eccentric angle of the lowest pressure [rad] in (-pi/2, pi/2], 0 the tip."""
+        return self.response.support.where(self.phase + np.pi)
+
+    @cached_property
+    def where_highest(self) -> Array:
+        """Return the eccentric angle of the highest pressure [rad] in (-pi/2, pi/2], 0 the tip."""
+        return self.response.support.where(self.phase)
+
+    @cached_property
+    def tip(self) -> Array:
+        """Return the pressure at the fiber's tips [Pa], (..., n_angles, n)."""
+        p1, p2 = self.response.tip
+        shape = p1 * np.cos(self.phase) + p2 * np.sin(self.phase)
+        return np.asarray(self.amplitude[..., None, :] * shape)
+
+
+@dataclass(frozen=True, eq=False)
+class PressureBounds:
+    """What the pressure extremes of a fiber can be at a point, over every orientation.
+
+    At any instant the map from initial angle to angle is one-to-one, so these are exact bounds for
+    any set of fibers. All (..., n), relative to the streamline's pressure [Pa].
+
+    Parameters
+    ----------
+    lowest, highest : (..., n) array
+        Lowest and highest surface pressure in the worst orientation.
+    mildest_lowest, mildest_highest : (..., n) array
+        The same in the orientation that suffers least.
+    """
+
+    lowest: Array
+    highest: Array
+    mildest_lowest: Array
+    mildest_highest: Array
+
+
+def surface_pressure(
+    path: Path, response: FiberResponse, viscosity: float, motion: Motion
+) -> SurfacePressure:
+    """Return the lowest and highest surface pressure of every fiber at every point of its path.
+
+    Parameters
+    ----------
+    path : FlowHistory or PathBundle
+        The path that the fibers were followed along.
+    response : FiberResponse
+        Their pressure response (confined or unbounded).
+    viscosity : float
+        ``mu`` of the melt [Pa s], positive; all pressures are proportional to it.
+    motion : Motion
+        Their angles along the path.
+
+    Raises
+    ------
+    ConfigError
+        If the viscosity is not positive.
+    """
+    size, double = strain_polar(path.gradient)
+    amplitude = _viscosity(viscosity) * size
+    phase = double[..., None, :] - 2.0 * motion.angle
+    lowest, highest = response.support.both(phase)
+    lowest *= amplitude[..., None, :]
+    highest *= amplitude[..., None, :]
+    return SurfacePressure(lowest, highest, phase, amplitude, response)
+
+
+def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> PressureBounds:
+    """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
+
+    ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled. Parameters as in
+    `surface_pressure`.
+    """
+    size, _ = strain_polar(path.gradient)
+    amplitude = _viscosity(viscosity) * size
+    worst = amplitude * response.support.largest
+    mildest = amplitude * response.support.smallest
+    return PressureBounds(-worst, worst, -mildest, mildest)
+
+
+def _viscosity(viscosity: float) -> float:
+    if not (np.isfinite(viscosity) and viscosity > 0):
+        msg = f"melt.viscosity = {viscosity:g} Pa s: must be positive, e.g. 817"
+        raise ConfigError(msg)
+    return viscosity

@@ -1,0 +1,1 @@
+"""The deposition flow: nozzle, free surfaces, streamlines (the paper's section 2.1)."""

@@ -1,0 +1,325 @@
+"""The steady deposition flow from cold: find the surfaces coarsely, then solve finely.
+
+A coarse mesh finds the free surfaces in a few cheap meshes, whatever the first guess; each finer
+mesh starts from the surfaces of the one before and needs four or five Newton steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConvergenceError, MeshError
+from fibermelt.flow.field import FlowField
+from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow
+from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
+from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.flow.recover import field_of
+
+__all__ = ["FlowError", "FlowSolution", "solve_deposition"]
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+COARSE = FlowNumerics(
+    lip_edge=0.05, contact_edge=0.1, corner_edge=0.2, surface_edge=0.15, bulk_edge=0.3
+)
+"""The mesh that finds the surfaces: 500 triangles, 0.1 s a step."""
+
+MAX_COARSE_MESHES = 12
+"""Gaps from 0.85 to 2 bead heights need 2 to 4; none that needed more than 8 converged."""
+
+STEPS_A_COARSE_MESH = 4
+"""Newton steps before the coarse mesh is made anew on the surfaces found."""
+
+SETTLED = 1e-3
+"""The coarse search ends when its last step moves no node by more than this many widths."""
+
+MAX_STEPS = 12
+"""A fine mesh needs 4 or 5 steps; more than twice that is a failure."""
+
+MIDDLE = 2.5
+"""Coarsening of the mesh against which the discretisation error is estimated."""
+
+CLIMB = 1e-3
+"""A surface this many widths above the lip wets the nozzle's outer face, which is not in here."""
+
+NOTHING_TO_DO: Progress = lambda _: None  # noqa: E731 (a named observer that observes nothing)
+
+
+@dataclass(frozen=True)
+class FlowError:
+    """Estimated discretisation errors: this mesh against one 2.5 times coarser.
+
+    ``contact_point`` and ``heel`` in [m], ``inlet_pressure`` in [Pa].
+    """
+
+    contact_point: float
+    heel: float
+    inlet_pressure: float
+
+
+@dataclass(frozen=True, eq=False)
+class FlowSolution:
+    """A steady deposition flow, in SI units.
+
+    Parameters
+    ----------
+    problem : Deposition
+        What was solved.
+    field : FlowField
+        Velocity, pressure, gradient, stream function.
+    upstream_surface, downstream_surface : (n, 2) arrays
+        The free surfaces: left lip to contact point, right lip to outlet [m].
+    bead_height : float
+        Height of the bead at the outlet [m].
+    inlet_pressure : float
+        Mean pressure over the inlet [Pa].
+    contact_point : float
+        x where the upstream surface meets the bed [m].
+    heel : float
+        Smallest x of the melt on the bed's side of the nozzle [m].
+    mass_imbalance : float
+        ``|V h - Q| / Q`` at the outlet.
+    kinematic_residual : float
+        Root mean square of ``u.n`` over the free surfaces, in bed speeds.
+    newton_steps : int
+        Coupled Newton steps in all, on all meshes.
+    unknowns, elements : int
+        Of the last mesh.
+    error : FlowError
+        Estimated discretisation errors.
+    """
+
+    problem: Deposition
+    field: FlowField
+    upstream_surface: Array
+    downstream_surface: Array
+    bead_height: float
+    inlet_pressure: float
+    contact_point: float
+    heel: float
+    mass_imbalance: float
+    kinematic_residual: float
+    newton_steps: int
+    unknowns: int
+    elements: int
+    error: FlowError
+
+
+def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
+    """Return the paper's Fig. 2a: inlet parabola, no slip, bed and outlet at the bed's speed."""
+    speed = problem.inlet_speed / problem.bed_speed
+    parabola = -1.5 * speed * (1 - (2 * ng.x / nozzle.inlet_width) ** 2)
+    return Boundaries(
+        moving="bead",
+        free="upstream|downstream",
+        velocity={"inlet": (0, parabola), "wall": (0, 0), "bed": (1, 0), "outlet": (1, 0)},
+        held_x="outlet|exit|wall|inlet",
+        held_y="bed|exit|wall|inlet",
+        lips=np.array([[-0.5, nozzle.gap], [0.5, nozzle.gap]]),
+    )
+
+
+def _first_surfaces(problem: Deposition, nozzle: Nozzle, guess: float | None) -> Surfaces:
+    """Return a straight upstream surface to the first contact guess, and a smooth top."""
+    width = problem.nozzle.capillary_width
+    height = problem.mass_balance_height / width
+    # the guess must lie downstream of the answer: a wide gap carries the contact with it
+    contact = max(0.0, 2 * (nozzle.gap - height)) if guess is None else guess / width
+    contact = min(contact, 0.8 * nozzle.outlet)
+    part = np.linspace(0.0, 1.0, 41)[:, None]
+    upstream = np.array([-0.5, nozzle.gap]) * (1 - part) + np.array([contact, 0.0]) * part
+    x = np.linspace(0.5, nozzle.outlet, 201)
+    top = height + (nozzle.gap - height) * np.exp(-2 * (x - 0.5) / height)
+    return Surfaces(upstream, np.column_stack([x, top]))
+
+
+def _trimmed(upstream: Array) -> Array:
+    """Return the upstream surface up to where it first meets the bed."""
+    below = np.flatnonzero(upstream[:, 1] <= 0)
+    if below.size == 0 or below[0] == len(upstream) - 1:
+        return upstream
+    first = below[0]
+    above, under = upstream[first - 1], upstream[first]
+    crossing = above + (under - above) * (above[1] / (above[1] - under[1]))
+    crossing[1] = 0.0
+    return np.vstack([upstream[:first], crossing])
+
+
+class _Search:
+    """Carries the surfaces from mesh to mesh and counts what it took."""
+
+    def __init__(self, problem: Deposition, progress: Progress) -> None:
+        self.problem = problem
+        self.nozzle = scaled(problem.nozzle)
+        self.progress = progress
+        self.newton_steps = 0
+        self.meshes = 0
+
+    def start(self, surfaces: Surfaces, numerics: FlowNumerics) -> FreeSurfaceFlow:
+        """Mesh the domain between ``surfaces`` and solve Stokes on it."""
+        self.meshes += 1
+        mesh = deposition_mesh(self.nozzle, surfaces, numerics)
+        boundaries = _boundaries(self.problem, self.nozzle)
+        return FreeSurfaceFlow(mesh, boundaries, numerics.order)
+
+    def step(self, flow: FreeSurfaceFlow) -> tuple[float, bool]:
+        """Take one Newton step; return its size and whether it was taken whole."""
+        step = flow.step()
+        self.newton_steps += 1
+        self.progress(
+            f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), "
+            f"Newton step {self.newton_steps}: surface moves {step.size:.1e} widths"
+            + ("" if step.fraction == 1.0 else f", {step.fraction:.0%} taken")
+        )
+        return step.size, step.fraction == 1.0
+
+    def surfaces(self, flow: FreeSurfaceFlow) -> Surfaces:
+        """Return the free surfaces as they lie now."""
+        gap = self.nozzle.gap
+        return Surfaces(
+            _trimmed(flow.surface("upstream", np.array([-0.5, gap]))),
+            flow.surface("downstream", np.array([0.5, gap])),
+        )
+
+    def find_surfaces(self, surfaces: Surfaces, numerics: FlowNumerics) -> Surfaces:
+        """Return the surfaces on coarse meshes, made anew until they no longer move."""
+        for _ in range(MAX_COARSE_MESHES):
+            try:
+                flow = self.start(surfaces, numerics)
+            except MeshError as reason:
+                raise self._no_steady_surface(surfaces) from reason
+            for _ in range(STEPS_A_COARSE_MESH):
+                size, whole = self.step(flow)
+                if size < SETTLED:
+                    break
+            surfaces = self.surfaces(flow)
+            if size < SETTLED and whole:
+                return surfaces
+        raise self._no_steady_surface(surfaces)
+
+    def converge(
+        self, surfaces: Surfaces, numerics: FlowNumerics
+    ) -> tuple[FreeSurfaceFlow, Surfaces]:
+        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces."""
+        flow = self.start(surfaces, numerics)
+        for _ in range(MAX_STEPS):
+            size, whole = self.step(flow)
+            if size < numerics.tolerance and whole:
+                return flow, self.surfaces(flow)
+        x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
+        msg = (
+            f"deposition flow: the surface still moves {size:.1e} capillary widths after "
+            f"{MAX_STEPS} Newton steps on a mesh of {flow.mesh.ne} triangles (bound "
+            f"numerics.flow_tolerance = {numerics.tolerance:g}); contact at x = {x[-1]:.4g} m, "
+            f"heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
+            "numerics.contact_edge and numerics.lip_edge"
+        )
+        raise ConvergenceError(msg)
+
+    def _no_steady_surface(self, surfaces: Surfaces) -> ConvergenceError:
+        width = self.problem.nozzle.capillary_width
+        up = surfaces.upstream * width
+        height = self.problem.mass_balance_height
+        gap = self.problem.nozzle.gap
+        return ConvergenceError(
+            f"deposition flow: no steady free surface found for flow.gap = {gap:g} m after "
+            f"{self.meshes} meshes and {self.newton_steps} Newton steps: the upstream surface was "
+            f"last seen reaching back to x = {up[:, 0].min():.4g} m and up to y = "
+            f"{up[:, 1].max():.4g} m; the bead is {height:.4g} m high, and below a gap of about "
+            f"0.83 of that ({0.83 * height:.4g} m) the melt climbs the nozzle; raise flow.gap or "
+            "flow.bed_speed, or lower flow.inlet_speed"
+        )
+
+
+def _check_climb(problem: Deposition, surfaces: Surfaces) -> None:
+    """Raise if the melt climbs above the upstream lip: the model has no outer nozzle face."""
+    width, gap = problem.nozzle.capillary_width, problem.nozzle.gap
+    top = float(surfaces.upstream[:, 1].max()) * width
+    if top - gap > CLIMB * width:
+        x = float(surfaces.upstream[surfaces.upstream[:, 1].argmax(), 0]) * width
+        height = problem.mass_balance_height
+        msg = (
+            f"deposition flow: at flow.gap = {gap:g} m the melt climbs to y = {top:.4g} m at "
+            f"x = {x:.4g} m, above the upstream lip, and would wet the nozzle's outer face, which "
+            f"this model does not have; the bead is {height:.4g} m high: raise flow.gap above "
+            f"about 0.83 of that ({0.83 * height:.4g} m), or raise flow.bed_speed"
+        )
+        raise ConvergenceError(msg)
+
+
+def _inlet_pressure(flow: FreeSurfaceFlow) -> float:
+    inlet = ng.ds("inlet")
+    total = ng.Integrate(flow.pressure * inlet, flow.mesh)
+    return float(total / ng.Integrate(ng.CF(1) * inlet, flow.mesh))
+
+
+def solve_deposition(
+    problem: Deposition,
+    numerics: FlowNumerics | None = None,
+    progress: Progress = NOTHING_TO_DO,
+) -> FlowSolution:
+    """Solve the steady free-surface flow of a melt deposited on a moving bed (Eq. 1-4, Fig. 2a).
+
+    Parameters
+    ----------
+    problem : Deposition
+        Nozzle, melt and speeds.
+    numerics : FlowNumerics, optional
+        Order, mesh edges, tolerance.
+    progress : callable, optional
+        Receives a line of text after every Newton step.
+
+    Raises
+    ------
+    ConvergenceError
+        If there is no steady surface (too small a gap), the melt climbs above the upstream lip,
+        or Newton does not reach the tolerance.
+    MeshError
+        If the mesh cannot be made as asked for.
+
+    Notes
+    -----
+    Solved in units of capillary width, bed speed and viscosity, so the viscosity scales the
+    pressure and nothing else, and a joint scaling of both speeds leaves the shape alone.
+    """
+    numerics = FlowNumerics() if numerics is None else numerics
+    search = _Search(problem, progress)
+    first = _first_surfaces(problem, search.nozzle, numerics.contact_guess)
+    surfaces = search.find_surfaces(first, COARSE)
+    _check_climb(problem, surfaces)
+    middle, surfaces = search.converge(surfaces, numerics.coarsened(MIDDLE))
+    seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
+    flow, surfaces = search.converge(surfaces, numerics)
+    _check_climb(problem, surfaces)
+
+    width, speed = problem.nozzle.capillary_width, problem.bed_speed
+    stress = problem.melt.viscosity * speed / width
+    contact, heel = surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min()
+    pressure = _inlet_pressure(flow)
+    height = float(surfaces.downstream[-1, 1]) * width
+    return FlowSolution(
+        problem=problem,
+        field=field_of(flow, width, speed, problem.melt.viscosity),
+        upstream_surface=surfaces.upstream * width,
+        downstream_surface=surfaces.downstream * width,
+        bead_height=height,
+        inlet_pressure=pressure * stress,
+        contact_point=float(contact) * width,
+        heel=float(heel) * width,
+        mass_imbalance=abs(height / problem.mass_balance_height - 1),
+        kinematic_residual=flow.kinematic_residual(),
+        newton_steps=search.newton_steps,
+        unknowns=flow.unknowns,
+        elements=int(flow.mesh.ne),
+        error=FlowError(
+            contact_point=float(abs(contact - seen[0])) * width,
+            heel=float(abs(heel - seen[1])) * width,
+            inlet_pressure=abs(pressure - seen[2]) * stress,
+        ),
+    )

@@ -1,0 +1,137 @@
+"""The weak forms of the free-surface Stokes problem and their exact linearisation.
+
+Everything is written on the mesh as it lies now (updated Lagrangian): a Newton step moves the mesh
+by ``d`` and the next one starts from there, so the shape derivatives are needed at ``d = 0`` only
+and are linear in it. With ``u`` riding along with the mesh (coefficients kept, nodes moved),
+
+    d/dd  grad v   = -grad v grad d,        d/dd dx     = div d dx,
+    d/dd (n ds)    = rot(d_s d) ds,         rot(t) = n,
+
+which gives all that stands below. Lengths, speeds and the viscosity are scaled to one.
+
+Signs, once: momentum ``int sigma : grad v = 0`` with ``sigma = 2 D(u) + (gamma div u - p) I`` and
+no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int_free m n.u = 0``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import ngsolve as ng
+
+__all__ = [
+    "INTEGRATION_BONUS",
+    "Elements",
+    "Unknowns",
+    "jacobian_form",
+    "residual_form",
+    "stokes_form",
+]
+
+Form = Any  # ngsolve's coefficient expressions carry no types
+
+INTEGRATION_BONUS = 4
+"""Added order of quadrature on curved elements, where no order is exact: residual and
+linearisation must see the same points, or Newton's convergence drops from quadratic to linear
+(observed rate 1e-2 without)."""
+
+STRING_STIFFNESS = 100.0
+"""Stiffness along a free surface [pseudo-solid's modulus times length]. It spaces the nodes;
+the solution does not depend on it (10 and 1000 agree to 1e-5), but without it they collapse."""
+
+GRAD_DIV = 10.0
+"""Weight of the grad-div term [viscosities]: consistent (the flow has no divergence), it keeps the
+discrete velocity solenoidal enough for streamlines to stay on their stream function."""
+
+
+@dataclass(frozen=True)
+class Elements:
+    """The elements by how they are integrated: curved ones lie on a free surface and move."""
+
+    curved: ng.BitArray
+    straight: ng.BitArray
+    straight_moving: ng.BitArray
+
+    def over(self, integrand: Form, *, moving: bool = False) -> list[Form]:
+        """Return the integrals of ``integrand`` over all elements, or over those that move."""
+        straight = self.straight_moving if moving else self.straight
+        return [
+            integrand * ng.dx(definedonelements=self.curved, bonus_intorder=INTEGRATION_BONUS),
+            integrand * ng.dx(definedonelements=straight),
+        ]
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Trial and test functions in the order of the product space, and the state they perturb."""
+
+    trial: tuple[Form, ...]
+    test: tuple[Form, ...]
+    velocity: Form
+    pressure: Form
+
+
+def _sym(w: Form) -> Form:
+    return 0.5 * (w + w.trans)
+
+
+def _tr(w: Form) -> Form:
+    return w[0, 0] + w[1, 1]
+
+
+def _viscous(velocity_gradient: Form) -> Form:
+    return 2 * _sym(velocity_gradient) + GRAD_DIV * _tr(velocity_gradient) * ng.Id(2)
+
+
+def stokes_form(unknowns: Unknowns, elements: Elements) -> list[Form]:
+    """Return Stokes on the present mesh: the part that does not see the mesh move."""
+    u, p, *_ = unknowns.trial
+    v, q, *_ = unknowns.test
+    momentum = ng.InnerProduct(_viscous(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
+    return elements.over(momentum - q * ng.div(u))
+
+
+def residual_form(unknowns: Unknowns, elements: Elements, free: str) -> list[Form]:
+    """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
+    v, q, _, m = unknowns.test
+    gradient = ng.Grad(unknowns.velocity)
+    stress = _viscous(gradient) - unknowns.pressure * ng.Id(2)
+    melt = ng.InnerProduct(stress, ng.Grad(v)) - q * _tr(gradient)
+    normal = ng.specialcf.normal(2)
+    return [
+        *elements.over(melt),
+        m * (normal * unknowns.velocity) * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
+    ]
+
+
+def jacobian_form(unknowns: Unknowns, elements: Elements, free: str) -> list[Form]:
+    """Return the derivative of the residual, and the rule by which the mesh follows its surface.
+
+    The moving mesh deforms as an elastic solid of modulus ``1/h``; ``lam`` is the normal force
+    that makes its surface go where the kinematics wants it.
+    """
+    u, _, d, lam = unknowns.trial
+    v, q, e, m = unknowns.test
+    gradient, move, test_move = ng.Grad(unknowns.velocity), ng.Grad(d), ng.Grad(e)
+    stress = _viscous(gradient) - unknowns.pressure * ng.Id(2)
+    shape = (
+        ng.InnerProduct(stress, ng.Grad(v)) * _tr(move)
+        - ng.InnerProduct(stress, ng.Grad(v) * move)
+        - ng.InnerProduct(_viscous(gradient * move), ng.Grad(v))
+        - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
+    )
+    elastic = 2 * ng.InnerProduct(_sym(move), _sym(test_move)) + _tr(move) * _tr(test_move)
+    solid = elastic / ng.specialcf.mesh_size
+    normal, tangent = ng.specialcf.normal(2), ng.specialcf.tangential(2)
+    side = normal[0] * tangent[1] - normal[1] * tangent[0]  # +1 where n = (t_y, -t_x)
+    slope, test_slope = move.Trace() * tangent, test_move.Trace() * tangent
+    turned = side * (unknowns.velocity[0] * slope[1] - unknowns.velocity[1] * slope[0])
+    string = STRING_STIFFNESS * (tangent * slope) * (tangent * test_slope)
+    on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
+    return [
+        *stokes_form(unknowns, elements),
+        *elements.over(shape + solid, moving=True),
+        (m * (normal * u.Trace()) + m * turned) * on_surface,
+        (lam * (normal * e.Trace()) + string) * on_surface,
+    ]

@@ -1,0 +1,194 @@
+"""The deposition problem as values: nozzle, gap, bed, melt and speeds (the paper's Fig. 1b, 2a)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from fibermelt.errors import ConfigError
+from fibermelt.rheology import Newtonian
+
+__all__ = ["Deposition", "FlowNumerics", "Nozzle"]
+
+
+def _require_positive(section: str, value: object, names: list[str]) -> None:
+    for name in names:
+        number = getattr(value, name)
+        if not (math.isfinite(number) and number > 0):
+            msg = f"{section}.{name} = {number:g} must be positive and finite"
+            raise ConfigError(msg)
+
+
+@dataclass(frozen=True)
+class Nozzle:
+    """The nozzle above the bed: inlet channel, taper, capillary, gap; lengths in [m].
+
+    The axis is x = 0, the bed y = 0, the melt flows down and leaves to +x.
+
+    Parameters
+    ----------
+    inlet_width, inlet_length : float
+        The straight channel at the top.
+    taper_length : float
+        Height over which the inlet narrows to the capillary.
+    capillary_width, capillary_length : float
+        The straight channel whose end is the nozzle's exit.
+    gap : float
+        Distance from the exit's lips to the bed.
+    outlet : float
+        x of the station where the bead leaves the domain.
+
+    Raises
+    ------
+    ConfigError
+        If a length is not positive, the inlet is narrower than the capillary, or the outlet
+        is not downstream of the nozzle's exit by a capillary width.
+
+    Notes
+    -----
+    The paper prints no dimension of its nozzle (a Strangpresse Model 19). The defaults are
+    inferred: they reproduce the results it states; mass balance makes its bead 3.000 mm high.
+    """
+
+    inlet_width: float = 12.7e-3
+    inlet_length: float = 5e-3
+    taper_length: float = 8e-3
+    capillary_width: float = 3.175e-3
+    capillary_length: float = 6e-3
+    gap: float = 3e-3
+    outlet: float = 20e-3
+
+    def __post_init__(self) -> None:
+        """Refuse a nozzle that cannot be built."""
+        _require_positive("flow", self, [f.name for f in fields(self)])
+        if self.inlet_width < self.capillary_width:
+            msg = (
+                f"flow.inlet_width = {self.inlet_width:g} m is narrower than "
+                f"flow.capillary_width = {self.capillary_width:g} m: widen the inlet"
+            )
+            raise ConfigError(msg)
+        nearest = 1.5 * self.capillary_width
+        if self.outlet < nearest:
+            msg = (
+                f"flow.outlet = {self.outlet:g} m is too close to the nozzle's exit: "
+                f"at least 1.5 capillary widths, {nearest:g} m"
+            )
+            raise ConfigError(msg)
+
+    @property
+    def capillary_entrance(self) -> float:
+        """Return the height of the capillary's entrance above the bed [m]."""
+        return self.gap + self.capillary_length
+
+    @property
+    def inlet_height(self) -> float:
+        """Return the height of the inlet above the bed [m]."""
+        return self.capillary_entrance + self.taper_length + self.inlet_length
+
+
+@dataclass(frozen=True)
+class Deposition:
+    """A melt pushed through a nozzle onto a moving bed (the paper's section 2.1).
+
+    Parameters
+    ----------
+    nozzle : Nozzle
+        Geometry.
+    melt : Newtonian
+        What flows.
+    inlet_speed : float
+        Mean speed of the parabola at the inlet [m/s], > 0.
+    bed_speed : float
+        Speed of the bed in +x [m/s], > 0.
+    """
+
+    nozzle: Nozzle
+    melt: Newtonian
+    inlet_speed: float = 24e-3
+    bed_speed: float = 101.6e-3
+
+    def __post_init__(self) -> None:
+        """Refuse a bed or a melt that stands still."""
+        _require_positive("flow", self, ["inlet_speed", "bed_speed"])
+
+    @property
+    def flux(self) -> float:
+        """Return the flux per unit depth ``Q`` [m2/s]."""
+        return self.inlet_speed * self.nozzle.inlet_width
+
+    @property
+    def mass_balance_height(self) -> float:
+        """Return the bead height ``Q / V`` [m] that mass balance demands far downstream."""
+        return self.flux / self.bed_speed
+
+
+@dataclass(frozen=True)
+class FlowNumerics:
+    """How finely and how strictly the deposition flow is solved.
+
+    Edge lengths are fractions of the capillary's width, so that they suit a nozzle of any size.
+
+    Parameters
+    ----------
+    order : int
+        Polynomial degree of the velocity, 2 to 6; the pressure has one less (Taylor-Hood).
+        2 leaks 1e-4 of the flux.
+    lip_edge, contact_edge : float
+        Mesh edge at the two lips and at the upstream contact point, where the flow is singular.
+    corner_edge : float
+        Mesh edge at the capillary's entrance.
+    surface_edge, bulk_edge : float
+        Largest edge on a free surface, and in the bead; the nozzle's may be twice that.
+    growth : float
+        How fast edges may grow away from a lip or the contact: added length per distance.
+    tolerance : float
+        Newton stops after a step that moves no mesh node further than this fraction of the
+        capillary's width. It converges quadratically: what is left is about the square.
+    contact_guess : float or None
+        First guess of the contact point's x [m]; None chooses one. The answer does not depend
+        on it.
+    """
+
+    order: int = 3
+    lip_edge: float = 1e-3
+    contact_edge: float = 1e-3
+    corner_edge: float = 1e-2
+    surface_edge: float = 0.07
+    bulk_edge: float = 0.15
+    growth: float = 0.3
+    tolerance: float = 1e-7
+    contact_guess: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse numerics that no mesh can follow."""
+        if not 2 <= self.order <= 6:
+            msg = f"numerics.flow_order = {self.order} must lie in 2 to 6"
+            raise ConfigError(msg)
+        for name in ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge"):
+            value = getattr(self, name)
+            if not 1e-6 <= value <= 0.5:
+                msg = (
+                    f"numerics.{name} = {value:g} must lie in 1e-06 to 0.5, "
+                    "in fractions of the capillary's width"
+                )
+                raise ConfigError(msg)
+        if not 0.05 <= self.growth <= 1.0:
+            msg = f"numerics.growth = {self.growth:g} must lie in 0.05 to 1"
+            raise ConfigError(msg)
+        if not 1e-12 <= self.tolerance <= 1e-3:
+            msg = f"numerics.flow_tolerance = {self.tolerance:g} must lie in 1e-12 to 1e-3"
+            raise ConfigError(msg)
+
+    def coarsened(self, factor: float) -> FlowNumerics:
+        """Return the same with every edge ``factor`` times as long, at most half a width."""
+        edge = {
+            name: min(0.5, factor * getattr(self, name))
+            for name in ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
+        }
+        return FlowNumerics(
+            order=self.order,
+            growth=self.growth,
+            tolerance=self.tolerance,
+            contact_guess=self.contact_guess,
+            **edge,
+        )

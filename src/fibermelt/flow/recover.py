@@ -1,0 +1,126 @@
+"""From the solver's spaces to plain arrays: gradient, stream function and nodal values."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.flow.field import FlowField
+from fibermelt.flow.freesurface import FreeSurfaceFlow
+from fibermelt.flow.lagrange import LagrangeTriangle
+
+__all__ = ["field_of"]
+
+Array = NDArray[np.float64]
+
+PIN = 1e-10
+"""Mass added to the stream function's matrix: its constant is free until set on the bed."""
+
+
+def _project(mesh: ng.Mesh, space: ng.FESpace, functions: list[Any]) -> list[ng.GridFunction]:
+    """Return the L2 projections of ``functions`` on ``space``, one factorisation for all."""
+    trial, test = space.TnT()
+    mass = ng.BilinearForm(space, symmetric=True)
+    mass += trial * test * ng.dx(bonus_intorder=2)
+    mass.Assemble()
+    inverse = mass.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky")
+    projections = []
+    for function in functions:
+        load = ng.LinearForm(space)
+        load += function * test * ng.dx(bonus_intorder=2)
+        load.Assemble()
+        projection = ng.GridFunction(space)
+        projection.vec.data = inverse * load.vec
+        projections.append(projection)
+    return projections
+
+
+def _stream_function(flow: FreeSurfaceFlow) -> ng.GridFunction:
+    """Return ``psi`` of degree one above the velocity's, the best fit of ``rot psi`` to ``u``."""
+    space = ng.H1(flow.mesh, order=flow.order + 1)
+    psi, test = space.TnT()
+    matrix = ng.BilinearForm(space, symmetric=True)
+    matrix += (ng.grad(psi) * ng.grad(test) + PIN * psi * test) * ng.dx(bonus_intorder=2)
+    u = flow.velocity
+    load = ng.LinearForm(space)
+    load += (u[0] * ng.grad(test)[1] - u[1] * ng.grad(test)[0]) * ng.dx(bonus_intorder=2)
+    matrix.Assemble()
+    load.Assemble()
+    result = ng.GridFunction(space)
+    inverse = matrix.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky")
+    result.vec.data = inverse * load.vec
+    return result
+
+
+def _numbering(vertices: NDArray[np.int64], order: int) -> tuple[NDArray[np.int64], int]:
+    """Return the shared node numbers (n_cells, n_local) of triangles given by vertex, and a count.
+
+    Nodes on an edge are counted from its lower to its higher vertex, so both sides agree.
+    """
+    n_cells = len(vertices)
+    n_edge = order - 1
+    ends = vertices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    _, edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    edge = edge.reshape(-1)
+    along = np.where((ends[:, 0] < ends[:, 1])[:, None], np.arange(n_edge), np.arange(n_edge)[::-1])
+    first_edge = int(vertices.max()) + 1
+    on_edges = (first_edge + edge[:, None] * n_edge + along).reshape(n_cells, 3 * n_edge)
+    first_inside = first_edge + (int(edge.max()) + 1) * n_edge
+    n_inside = (order - 1) * (order - 2) // 2
+    inside = first_inside + np.arange(n_cells * n_inside).reshape(n_cells, n_inside)
+    return np.hstack([vertices, on_edges, inside]), first_inside + n_cells * n_inside
+
+
+def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: float) -> FlowField:
+    """Return the flow as a `FlowField` in SI units.
+
+    Parameters
+    ----------
+    flow : FreeSurfaceFlow
+        A solved flow, in units of ``length`` [m], ``speed`` [m/s] and ``viscosity`` [Pa s].
+    length, speed, viscosity : float
+        Those units.
+
+    Notes
+    -----
+    Nodes are those of degree one above the velocity's, so that the stream function, which has that
+    degree, loses nothing. The gradient of the velocity jumps between elements; its L2 projection
+    on continuous functions of the pressure's degree is one order better inside. What trace is left
+    (the discretisation's divergence) is taken out: half of it from each normal component.
+    """
+    mesh, order = flow.mesh, flow.order + 1
+    with ng.TaskManager():
+        slope = ng.Grad(flow.velocity)
+        space = ng.H1(mesh, order=flow.order - 1)
+        gradient = _project(mesh, space, [slope[0, 0] - slope[1, 1], slope[0, 1], slope[1, 0]])
+        psi = _stream_function(flow)
+    # the solver's reference triangle has its corners at (1,0), (0,1), (0,0)
+    nodes = LagrangeTriangle(order).nodes
+    reference = np.column_stack([1 - nodes.sum(axis=1), nodes[:, 0]])
+    rule = ng.IntegrationRule([tuple(map(float, r)) for r in reference], [0.0] * len(reference))
+    at = mesh.MapToAllElements(rule, ng.VOL)
+    sampled = ng.CF((ng.x, ng.y, flow.velocity, flow.pressure, *gradient, psi))(at)
+    vertices = np.array([[v.nr for v in el.vertices] for el in mesh.Elements(ng.VOL)])
+    cells, count = _numbering(vertices, order)
+    values = np.empty((count, sampled.shape[1]))
+    values[cells.reshape(-1)] = sampled
+    used = np.unique(cells)
+    renumber = np.full(count, -1, dtype=np.int64)
+    renumber[used] = np.arange(len(used))
+    values, cells = values[used], renumber[cells]
+    half, xy, yx = values[:, 5] / 2, values[:, 6], values[:, 7]
+    L = np.stack([np.stack([half, xy], axis=-1), np.stack([yx, -half], axis=-1)], axis=1)
+    bed = np.argmin(np.abs(values[:, 1]) + 1e-3 * np.abs(values[:, 0]))
+    stream = values[:, 8] - values[bed, 8]
+    return FlowField(
+        order=order,
+        points=values[:, :2] * length,
+        cells=cells,
+        velocity=values[:, 2:4] * speed,
+        pressure=values[:, 4] * (viscosity * speed / length),
+        gradient=L * (speed / length),
+        stream_function=stream * (speed * length),
+    )

@@ -1,0 +1,170 @@
+"""Streamlines of the deposition flow, and what the melt meets along each of them.
+
+Lines are seeded at equal flux and numbered from the left edge of the nozzle (the paper's footnote
+1). All are traced at once, by arclength: ``dx/ds = u/|u|``, ``dt/ds = 1/|u|``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.flow.deposition import FlowSolution
+from fibermelt.flow.field import FlowField
+from fibermelt.flow.problem import Nozzle
+from fibermelt.flow.tracing import Path, trace
+from fibermelt.history import FlowHistory
+
+__all__ = ["Streamline", "inlet_seeds", "trace_streamlines"]
+
+Array = NDArray[np.float64]
+
+TRACING_TOLERANCE = 1e-9
+"""Error allowed per step, in capillary widths: a hundredth of the discretisation's stream drift."""
+
+NEAR_SINGULARITY = 0.15
+"""A line that passes a lip or an entrance corner within this many capillary widths is flagged:
+the gradient there follows the singular solution, and with it the mesh."""
+
+SETTLED_SPEED = 0.02
+"""Zone 3 begins where the velocity stays within this part of the bed's speed of uniform."""
+
+
+@dataclass(frozen=True, eq=False)
+class Streamline:
+    """One streamline, from the inlet to the outlet, in SI units.
+
+    Parameters
+    ----------
+    index : int
+        1 at the left edge of the nozzle.
+    flux_fraction : float
+        Part of the flux that passes to the left of it.
+    history : FlowHistory
+        What a material point meets on it.
+    stream_function : (n,) array
+        ``psi`` along it [m2/s]; constant but for discretisation.
+    drift : float
+        Largest change of ``psi`` along it, in parts of the flux.
+    near_singularity : bool
+        Whether it passes a lip or the capillary's entrance corners closely.
+    middle_time : float
+        Time at which it passes the middle of the capillary [s]: Loc. 1 is before, Loc. 2 after.
+    zone_time : (3,) array
+        Times [s] at zone 1 (capillary entrance), 2 (nozzle exit), 3 (end of the swell region).
+    """
+
+    index: int
+    flux_fraction: float
+    history: FlowHistory
+    stream_function: Array
+    drift: float
+    near_singularity: bool
+    middle_time: float
+    zone_time: Array
+
+
+def inlet_seeds(nozzle: Nozzle, count: int) -> tuple[Array, Array]:
+    """Return flux fractions ``(k - 1/2)/count`` and the x [m] on the inlet's parabola they pass.
+
+    With ``z = x/w + 1/2`` the flux left of x is ``3 z^2 - 2 z^3``; its inverse is
+    ``z = 1/2 - sin(asin(1 - 2 f)/3)``.
+    """
+    fraction = (np.arange(count) + 0.5) / count
+    z = 0.5 - np.sin(np.arcsin(1 - 2 * fraction) / 3)
+    return fraction, (z - 0.5) * nozzle.inlet_width
+
+
+def _first_below(height: Array, time: Array, level: float) -> float:
+    """Return the time at which ``height`` first falls to ``level``, linear between points."""
+    index = int(np.argmax(height <= level))
+    upper, lower = height[index - 1], height[index]
+    part = (upper - level) / (upper - lower)
+    return float(time[index - 1] + part * (time[index] - time[index - 1]))
+
+
+def _settled(history: FlowHistory, bed_speed: float) -> float:
+    """Return the time from which the velocity stays within 2 % of the bed's."""
+    miss = np.hypot(history.velocity[:, 0] - bed_speed, history.velocity[:, 1])
+    unsettled = np.flatnonzero(miss > SETTLED_SPEED * bed_speed)
+    return float(history.time[min(unsettled[-1] + 1, len(history) - 1)])
+
+
+def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Array]:
+    """Return the history at ``count`` points of ``path``, and the stream function there.
+
+    Points are spread evenly over the mean of two measures, each scaled to one: arclength, and the
+    strain ``int gamma_dot dt`` that turns the fiber.
+    """
+    place = field.locate(path.position)
+    rate = field.evaluate(field.shear_rate, place)
+    strain = np.r_[0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(path.time))]
+    measure = 0.5 * (path.arclength / path.arclength[-1] + strain / strain[-1])
+    at = np.interp(np.linspace(0.0, 1.0, count), measure, path.arclength)
+    at[0], at[-1] = path.arclength[0], path.arclength[-1]
+    xy, time = path.at(at)
+    place = field.locate(xy)
+    if not place.found.all():
+        lost = xy[~place.found][0]
+        msg = f"streamline point ({lost[0]:.4g}, {lost[1]:.4g}) m lies outside the mesh"
+        raise ConvergenceError(msg)
+    gradient = field.evaluate(field.gradient, place)
+    history = FlowHistory(
+        time=time,
+        position=xy,
+        velocity=field.evaluate(field.velocity, place),
+        gradient=gradient,
+        pressure=field.evaluate(field.pressure, place),
+    )
+    return history, field.evaluate(field.stream_function, place)
+
+
+def trace_streamlines(
+    solution: FlowSolution, count: int = 22, points: int = 1500
+) -> tuple[Streamline, ...]:
+    """Return ``count`` streamlines of equal flux, each with ``points`` points.
+
+    Raises
+    ------
+    ConfigError
+        If there are no streamlines, or fewer than 50 points on each.
+    ConvergenceError
+        If a line leaves the mesh.
+    """
+    if count < 1:
+        msg = f"streamlines.count = {count} must be at least 1"
+        raise ConfigError(msg)
+    if points < 50:
+        msg = f"streamlines.points = {points} must be at least 50"
+        raise ConfigError(msg)
+    nozzle, field = solution.problem.nozzle, solution.field
+    width = nozzle.capillary_width
+    fraction, x = inlet_seeds(nozzle, count)
+    seeds = np.column_stack([x, np.full(count, nozzle.inlet_height * (1 - 1e-12))])
+    paths = trace(field, seeds, nozzle.outlet, TRACING_TOLERANCE * width, 0.1 * width)
+    corners = np.array(
+        [(side * width / 2, y) for side in (-1, 1) for y in (nozzle.gap, nozzle.capillary_entrance)]
+    )
+    lines = []
+    for k, path in enumerate(paths):
+        history, psi = _history(field, path, points)
+        near = np.linalg.norm(history.position[:, None] - corners, axis=2).min()
+        y, time = history.position[:, 1], history.time
+        levels = (nozzle.capillary_entrance, nozzle.gap)
+        zones = [_first_below(y, time, level) for level in levels]
+        lines.append(
+            Streamline(
+                index=k + 1,
+                flux_fraction=float(fraction[k]),
+                history=history,
+                stream_function=psi,
+                drift=float(np.ptp(psi)) / solution.problem.flux,
+                near_singularity=bool(near < NEAR_SINGULARITY * width),
+                middle_time=_first_below(y, time, nozzle.gap + nozzle.capillary_length / 2),
+                zone_time=np.array([*zones, _settled(history, solution.problem.bed_speed)]),
+            )
+        )
+    return tuple(lines)

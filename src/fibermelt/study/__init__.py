@@ -1,0 +1,1 @@
+"""Studies: what to run, in which order, and where the results are kept."""

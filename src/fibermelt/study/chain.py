@@ -1,0 +1,43 @@
+"""The chain of a study: flow, streamlines, the fiber's cell, its motion. Here the scales meet."""
+
+from __future__ import annotations
+
+from fibermelt.study.fiber_stages import cell_stage, motion_stage
+from fibermelt.study.flow_stages import (
+    FLOW_NUMERICS,
+    flow_stage,
+    streamlines_stage,
+    write_fields,
+)
+from fibermelt.study.runner import Chain
+from fibermelt.study.stages import Stage
+from fibermelt.study.summary import summarize
+
+__all__ = ["CHAIN"]
+
+_CELL_PARAMETERS = (
+    "fiber.half_length",
+    "fiber.aspect_ratio",
+    "fiber.domain_size",
+    "fiber.pressure_reference",
+    "numerics.cell_order",
+)
+_MOTION_PARAMETERS = (
+    "melt.viscosity",
+    "fiber.initial_angles",
+    "numerics.angle_tolerance",
+    "numerics.isotropic_angles",
+)
+
+CHAIN = Chain(
+    stages=(
+        Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
+        Stage("streamlines", 1, ("flow", "melt", "streamlines"), ("flow",), streamlines_stage),
+        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
+        Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
+    ),
+    version=1,
+    summarize=summarize,
+    write_fields=write_fields,
+)
+"""What `fibermelt run` goes through."""

@@ -1,0 +1,200 @@
+"""A study, as a value: every parameter of the chain in SI, declared once with its source."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from fibermelt.study.parameters import Section, quantity, setting
+
+__all__ = ["Config", "Fiber", "Flow", "Melt", "Numerics", "Streamlines"]
+
+_INFERRED = "inferred: the paper prints no dimensions; these reproduce its stated results"
+_PAPER_2 = "the paper, section 2 (after Heller et al. and Wang et al.)"
+_PAPER_21 = "the paper, section 2.1 (after Heller et al. and Wang et al.)"
+_PAPER_25 = "the paper, section 2.5: M = 4.08, rounded to 4.0"
+_PAPER_3 = "the paper, section 3"
+
+OUTLET_BEADS = 2.0
+"""Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
+
+
+def _edge(default: float, doc: str) -> float:
+    """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
+    edge: float = quantity(default, "", f"{doc}, over the capillary's width.", ge=1e-6, le=0.5)
+    return edge
+
+
+class Flow(Section):
+    """The nozzle, its height over the bed, and the two speeds."""
+
+    inlet_width: float = quantity(
+        "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, source=_INFERRED
+    )
+    inlet_length: float = quantity(
+        "5 mm", "m", "Length of the straight channel above the taper.", gt=0, source=_INFERRED
+    )
+    taper_length: float = quantity(
+        "8 mm",
+        "m",
+        "Length over which the nozzle narrows to the capillary.",
+        gt=0,
+        source=_INFERRED,
+    )
+    capillary_width: float = quantity(
+        "3.175 mm", "m", "Width of the capillary, the nozzle's outlet.", gt=0, source=_INFERRED
+    )
+    capillary_length: float = quantity(
+        "6 mm", "m", "Length of the capillary.", gt=0, source=_INFERRED
+    )
+    gap: float = quantity(
+        "3 mm", "m", "Distance from the nozzle's lips to the bed.", gt=0, source=_INFERRED
+    )
+    outlet: float = quantity(
+        "20 mm",
+        "m",
+        "Where the bead is cut off, downstream of the nozzle's axis (x of the outlet).",
+        gt=0,
+        source="far enough that the answer does not feel it",
+    )
+    inlet_speed: float = quantity(
+        "24 mm/s", "m/s", "Mean speed of the melt at the inlet.", gt=0, source=_PAPER_21
+    )
+    bed_speed: float = quantity(
+        "101.6 mm/s", "m/s", "Speed of the bed, towards +x.", gt=0, source=_PAPER_21
+    )
+
+    @property
+    def bead_height(self) -> float:
+        """Return the height of the finished bead [m]: mass balance, ``Q / V``."""
+        return self.inlet_speed * self.inlet_width / self.bed_speed
+
+    @model_validator(mode="after")
+    def _geometry(self) -> Self:
+        """Refuse dimensions that contradict one another."""
+        if self.inlet_width < self.capillary_width:
+            msg = (
+                f"flow.inlet_width = {self.inlet_width:g} m is narrower than "
+                f"flow.capillary_width = {self.capillary_width:g} m: a nozzle narrows downwards"
+            )
+            raise ValueError(msg)
+        nearest = self.capillary_width / 2 + OUTLET_BEADS * self.bead_height
+        if self.outlet < nearest:
+            msg = (
+                f"flow.outlet = {self.outlet:g} m lies too near the nozzle: at least "
+                f"{nearest:g} m (flow.capillary_width / 2 + {OUTLET_BEADS:g} bead heights of "
+                f"{self.bead_height:g} m)"
+            )
+            raise ValueError(msg)
+        return self
+
+
+class Melt(Section):
+    """The polymer melt, Newtonian."""
+
+    viscosity: float = quantity("817 Pa s", "Pa s", "Dynamic viscosity.", gt=0, source=_PAPER_2)
+    density: float = quantity("1154 kg/m^3", "kg/m^3", "Density.", gt=0, source=_PAPER_2)
+
+
+class Fiber(Section):
+    """The fiber, its cell, and how fibers enter the flow."""
+
+    half_length: float = quantity(
+        "42 um", "m", "Half the length of the fiber, its major semi-axis.", gt=0, source=_PAPER_3
+    )
+    aspect_ratio: float = quantity(
+        6.0, "", "Length over width of the elliptic fiber.", ge=1, source=_PAPER_3
+    )
+    domain_size: float = quantity(
+        4.0,
+        "",
+        "Domain-size factor M: the cell's radius is M / 2 half-lengths.",
+        gt=2,
+        source=_PAPER_25,
+        hint="the fiber would be larger than its cell",
+    )
+    pressure_reference: Literal["mean", "far-node"] = setting(
+        "mean",
+        "What has the streamline's pressure: the mean over the cell's edge, or one far node.",
+        source='"far-node" is the paper\'s way, Eq. 7',
+    )
+    initial_angles: tuple[float, ...] = quantity(
+        [f"{degrees} deg" for degrees in range(-90, 91, 15)],
+        "rad",
+        "Angles at which fibers enter, from the x axis, counter-clockwise.",
+        source=_PAPER_3,
+    )
+
+    @model_validator(mode="after")
+    def _angles(self) -> Self:
+        """Refuse a study without fibers."""
+        if not self.initial_angles:
+            msg = 'fiber.initial_angles = []: at least one angle, such as ["0 deg"]'
+            raise ValueError(msg)
+        return self
+
+
+class Streamlines(Section):
+    """The paths that fibers take through the flow."""
+
+    count: int = setting(
+        22,
+        "Number of streamlines, each with the same share of the flux, from the left edge.",
+        ge=1,
+        source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
+    )
+    points: int = setting(1500, "Number of points on each streamline.", ge=50)
+
+
+class Numerics(Section):
+    """Orders, edge lengths and tolerances: what changes the cost and the error, not the problem."""
+
+    flow_order: int = setting(
+        3,
+        "Velocity order of the flow; the pressure has one less. 2 leaks 1e-4 of the flux.",
+        ge=2,
+        le=6,
+    )
+    lip_edge: float = _edge(1e-3, "Mesh edge at the lips")
+    contact_edge: float = _edge(1e-3, "Mesh edge at the upstream contact point")
+    corner_edge: float = _edge(1e-2, "Mesh edge at the capillary's entrance")
+    surface_edge: float = _edge(0.07, "Largest mesh edge on a free surface")
+    bulk_edge: float = _edge(0.15, "Largest mesh edge in the bead")
+    edge_growth: float = quantity(
+        0.3, "", "How fast edges grow away from lips and contact, per distance.", ge=0.05, le=1
+    )
+    flow_tolerance: float = quantity(
+        1e-9,
+        "",
+        "Newton stops when no mesh node moves further than this over the capillary's width.",
+        ge=1e-12,
+        le=1e-3,
+    )
+    contact_guess: float | None = quantity(
+        None,
+        "m",
+        "First guess of the contact point's x; the answer does not depend on it.",
+        example="1 mm",
+    )
+    cell_order: int = setting(7, "Velocity order in the fiber's cell.", ge=2, le=13)
+    angle_tolerance: float = quantity(
+        "1e-8 rad",
+        "rad",
+        "Largest error of a fiber's angle from the time integration.",
+        gt=0,
+        lt=0.1,
+    )
+    isotropic_angles: int = setting(
+        360, "Number of angles that stand for an isotropic start, for the quantiles.", ge=3
+    )
+
+
+class Config(Section):
+    """A study: what `fibermelt run` is given, resolved."""
+
+    flow: Flow = Field(default_factory=Flow)
+    melt: Melt = Field(default_factory=Melt)
+    fiber: Fiber = Field(default_factory=Fiber)
+    streamlines: Streamlines = Field(default_factory=Streamlines)
+    numerics: Numerics = Field(default_factory=Numerics)

@@ -1,0 +1,182 @@
+"""Files that are either there and whole, or not there: atomic writes, digests, sealed JSON."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import secrets
+import shutil
+import socket
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from fibermelt.errors import StoreError
+
+__all__ = [
+    "canonical",
+    "digest",
+    "locked",
+    "partial",
+    "read_sealed",
+    "remove_leftovers",
+    "replace_file",
+    "storage_errors",
+    "write_sealed",
+    "write_through",
+]
+
+PARTIAL = ".partial-"
+"""How a name begins while its content is being written."""
+
+_PROCESS = secrets.token_hex(4)
+"""Tells this process from an earlier one that had the same number."""
+
+LEFTOVER_AGE = 24 * 3600.0
+"""Age [s] after which a partial file of another machine is taken for the leftover of a dead run."""
+
+
+@contextmanager
+def storage_errors(path: Path) -> Iterator[None]:
+    """Turn what the operating system says of a file into one line with a remedy.
+
+    Raises
+    ------
+    StoreError
+        For every OSError inside.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}:
+            remedy = "free some space and run again: finished stages are kept"
+        elif error.errno in {errno.EIO}:
+            remedy = "the disk reports a fault: choose another folder with --out"
+        else:
+            remedy = "choose another folder with --out"
+        msg = f"{path}: cannot be written or read: {reason}; {remedy}"
+        raise StoreError(msg) from error
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold a lock on a file while others that want it wait; it goes when its process goes.
+
+    Where the operating system has no such lock (Windows) nobody waits: there, only one run at a
+    time may put files on show in a folder.
+    """
+    try:
+        import fcntl  # noqa: PLC0415  there is none on Windows
+    except ImportError:
+        yield
+        return
+    with path.open("wb") as stream:
+        fcntl.flock(stream, fcntl.LOCK_EX)
+        yield
+
+
+def canonical(value: Any) -> bytes:
+    """Return JSON bytes that depend on the value only: sorted keys, no blanks, no NaN."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def digest(data: bytes) -> str:
+    """Return the SHA-256 of some bytes, in hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def write_through(path: Path, data: bytes) -> None:
+    """Write a file and wait until it is on the disk."""
+    with path.open("wb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def partial(folder: Path) -> Path:
+    """Return a name in ``folder`` for what is not finished: it tells who writes it."""
+    host = socket.gethostname().replace("-", "_")
+    return folder / f"{PARTIAL}{host}-{os.getpid()}-{_PROCESS}{secrets.token_hex(4)}"
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Write a file under another name and rename it: nobody ever sees half of it.
+
+    Raises
+    ------
+    StoreError
+        If the disk is full, the folder is read-only or the like; the old file is still there.
+    """
+    with storage_errors(path):
+        temporary = partial(path.parent)
+        try:
+            write_through(temporary, data)
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove what killed runs left unfinished; what a living process writes stays."""
+    for leftover in folder.glob(f"{PARTIAL}*"):
+        if _is_abandoned(leftover):
+            remove(leftover)
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder with all that is in it, if it is there."""
+    with suppress(FileNotFoundError):
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
+def _is_abandoned(leftover: Path) -> bool:
+    host, process, token = leftover.name.removeprefix(PARTIAL).split("-")
+    if host == socket.gethostname().replace("-", "_") and os.name == "posix":
+        try:
+            os.kill(int(process), 0)
+        except ProcessLookupError:
+            return True
+        except PermissionError:
+            return False
+        return int(process) == os.getpid() and not token.startswith(_PROCESS)
+    try:
+        return time.time() - leftover.stat().st_mtime > LEFTOVER_AGE
+    except FileNotFoundError:
+        return False
+
+
+def write_sealed(path: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON with its own digest in it, so that a later reader knows that it is whole."""
+    sealed = {"content": content, "sha256": digest(canonical(content))}
+    replace_file(path, json.dumps(sealed, indent=1).encode())
+
+
+def read_sealed(path: Path) -> dict[str, Any]:
+    """Return the content of sealed JSON.
+
+    Raises
+    ------
+    ValueError
+        If it is not what was written.
+    """
+    with storage_errors(path):
+        data = path.read_bytes()
+    try:
+        sealed = json.loads(data)
+        content, seal = sealed["content"], sealed["sha256"]
+        is_whole = digest(canonical(content)) == seal
+    except (ValueError, KeyError, TypeError) as error:
+        msg = f"{path} is not what was written"
+        raise ValueError(msg) from error
+    if not is_whole or not isinstance(content, dict):
+        msg = f"{path} is not what was written"
+        raise ValueError(msg)
+    return content

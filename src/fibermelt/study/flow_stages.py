@@ -1,0 +1,154 @@
+"""The flow's stages: the deposition flow, and the streamlines through it, as labelled data.
+
+What computes is imported when a stage runs, so that a study that is stored costs nothing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.variables import labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.flow.deposition import FlowSolution
+    from fibermelt.flow.field import FlowField
+    from fibermelt.flow.problem import Deposition
+
+__all__ = ["FLOW_NUMERICS", "flow_stage", "streamlines_stage", "write_fields"]
+
+FLOW_NUMERICS = {
+    "numerics.flow_order": "order",
+    "numerics.lip_edge": "lip_edge",
+    "numerics.contact_edge": "contact_edge",
+    "numerics.corner_edge": "corner_edge",
+    "numerics.surface_edge": "surface_edge",
+    "numerics.bulk_edge": "bulk_edge",
+    "numerics.edge_growth": "growth",
+    "numerics.flow_tolerance": "tolerance",
+    "numerics.contact_guess": "contact_guess",
+}
+"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
+
+SCALARS = (
+    "bead_height",
+    "inlet_pressure",
+    "contact_point",
+    "heel",
+    "mass_imbalance",
+    "kinematic_residual",
+    "newton_steps",
+    "unknowns",
+    "elements",
+)
+ERRORS = ("contact_point", "heel", "inlet_pressure")
+FIELDS = ("velocity", "pressure", "gradient", "stream_function")
+
+
+def _problem(parameters: Parameters) -> Deposition:
+    """Return the deposition problem of a study."""
+    from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
+    from fibermelt.rheology import Newtonian  # noqa: PLC0415
+
+    flow = parameters.section("flow")
+    speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
+    return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(**parameters.section("melt")), **speeds)
+
+
+def flow_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Solve the deposition flow."""
+    from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  lazy: see the module
+    from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
+
+    numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
+    solution = solve_deposition(_problem(parameters), numerics, progress=say)
+    field = solution.field
+    arrays: dict[str, Any] = {
+        "node_x": field.points[:, 0],
+        "node_y": field.points[:, 1],
+        "cell_nodes": field.cells,
+        "field_order": field.order,
+        "upstream_surface": solution.upstream_surface,
+        "downstream_surface": solution.downstream_surface,
+    }
+    arrays |= {f"node_{name}": getattr(field, name) for name in FIELDS}
+    arrays |= {name: getattr(solution, name) for name in SCALARS}
+    arrays |= {f"{name}_error": getattr(solution.error, name) for name in ERRORS}
+    return labelled(arrays)
+
+
+def _field(flow: xr.Dataset) -> FlowField:
+    """Return the flow field that was stored."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.flow.field import FlowField  # noqa: PLC0415
+
+    return FlowField(
+        order=int(flow["field_order"]),
+        points=np.stack([flow["node_x"], flow["node_y"]], axis=-1),
+        cells=flow["cell_nodes"].to_numpy(),
+        **{name: flow[f"node_{name}"].to_numpy() for name in FIELDS},
+    )
+
+
+def _solution(parameters: Parameters, flow: xr.Dataset) -> FlowSolution:
+    """Return the flow solution that was stored."""
+    from fibermelt.flow.deposition import FlowError, FlowSolution  # noqa: PLC0415  as above
+
+    return FlowSolution(
+        problem=_problem(parameters),
+        field=_field(flow),
+        upstream_surface=flow["upstream_surface"].to_numpy(),
+        downstream_surface=flow["downstream_surface"].to_numpy(),
+        error=FlowError(**{name: flow[f"{name}_error"].item() for name in ERRORS}),
+        **{name: flow[name].item() for name in SCALARS},
+    )
+
+
+def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Trace the streamlines of equal flux."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
+
+    count, points = parameters["streamlines.count"], parameters["streamlines.points"]
+    say(f"tracing {count} lines of {points} points")
+    lines = trace_streamlines(_solution(parameters, inputs["flow"]), count=count, points=points)
+
+    def stacked(name: str) -> Any:
+        return np.stack([np.asarray(getattr(line, name)) for line in lines])
+
+    def along(name: str) -> Any:
+        return np.stack([getattr(line.history, name) for line in lines])
+
+    position, velocity = along("position"), along("velocity")
+    return labelled(
+        {
+            "streamline": stacked("index"),
+            "flux_fraction": stacked("flux_fraction"),
+            "time": along("time"),
+            "x": position[..., 0],
+            "y": position[..., 1],
+            "u": velocity[..., 0],
+            "v": velocity[..., 1],
+            "pressure": along("pressure"),
+            "gradient": along("gradient"),
+            "shear_rate": along("shear_rate"),
+            "stream_function": stacked("stream_function"),
+            "stream_function_drift": stacked("drift"),
+            "near_singularity": stacked("near_singularity").astype(np.int8),
+            "zone": np.arange(1, 4),
+            "zone_time": stacked("zone_time"),
+            "middle_time": stacked("middle_time"),
+        }
+    )
+
+
+def write_fields(results: xr.Dataset, folder: Path) -> None:
+    """Write the flow for ParaView."""
+    from fibermelt.flow.vtu import write_vtu  # noqa: PLC0415  lazy: see the module
+
+    write_vtu(_field(results), folder / "flow.vtu")

@@ -1,0 +1,103 @@
+"""What is wrong with a study, in words: one line for each fault, with the way out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from fibermelt.study.config import Config
+from fibermelt.study.parameters import BOUNDS, Declaration, declarations
+from fibermelt.study.toml import toml_value
+
+__all__ = ["explain"]
+
+_RANGE_FAULTS = {
+    "greater_than": "gt",
+    "greater_than_equal": "ge",
+    "less_than": "lt",
+    "less_than_equal": "le",
+}
+_TYPES = {"int_": "a whole number", "bool_": "true or false"}
+_LONGEST_VALUE = 60
+
+
+def explain(error: ValidationError, tables: Mapping[str, Any]) -> str:
+    """Return one line for each fault of a study.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What the validation found.
+    tables : mapping
+        The study as it was written: its values appear in the messages as the person wrote them.
+    """
+    known = {declaration.key: declaration for declaration in declarations(Config)}
+    return "\n".join(_line(fault, tables, known) for fault in error.errors())
+
+
+def _line(fault: ErrorDetails, tables: Mapping[str, Any], known: Mapping[str, Declaration]) -> str:
+    location = [part for part in fault["loc"] if isinstance(part, str)]
+    key = ".".join(location)
+    if fault["type"] == "extra_forbidden":
+        return _unknown(key, known)
+    if key not in known:
+        if fault["type"] == "value_error":
+            return str(fault["ctx"]["error"])
+        return f"{key} = {_written(location, tables)}: is a table of parameters: write [{key}]"
+    return f"{key} = {_written(location, tables)}: {_fault(fault, known[key])}"
+
+
+def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
+    """Return what is wrong with the value of a known key, its bound and how to write it."""
+    kind = fault["type"]
+    example = f", such as {toml_value(declaration.example)}" if declaration.example else ""
+    if kind in _RANGE_FAULTS:
+        name = _RANGE_FAULTS[kind]
+        bound = f"must be {BOUNDS[name]} {fault['ctx'][name]:g} {declaration.unit}".rstrip()
+        return bound + (f" ({declaration.hint})" if declaration.hint else "")
+    if kind == "value_error":
+        wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
+        return f"{fault['ctx']['error']}{wanted}"
+    if kind == "literal_error":
+        return f"must be {declaration.range}"
+    if kind.startswith("tuple_"):
+        return f"must be a list, such as [{toml_value(declaration.example)}]"
+    wanted = next(
+        (words for start, words in _TYPES.items() if kind.startswith(start)), "one number"
+    )
+    return f"must be {wanted}{', ' if declaration.range else ''}{declaration.range}{example}"
+
+
+def _unknown(key: str, known: Mapping[str, Declaration]) -> str:
+    """Return the nearest valid key to one that is not: by the whole path, or by its last part."""
+    sections = {name.rpartition(".")[0] for name in known}
+    by_leaf = {name.rpartition(".")[2]: name for name in known}
+    leaf = key.rpartition(".")[2]
+    siblings = [name for name in known if name.rpartition(".")[0] == key.rpartition(".")[0]]
+    near = (
+        [by_leaf[leaf]]
+        if leaf in by_leaf
+        else get_close_matches(key, siblings, n=1)
+        or get_close_matches(key, [*known, *sections], n=1)
+        or [by_leaf[name] for name in get_close_matches(leaf, by_leaf, n=1)]
+    )
+    if near:
+        guess = f"[{near[0]}]" if near[0] in sections else near[0]
+        return f"{key}: unknown key; did you mean {guess}?"
+    return f"{key}: unknown key; `fibermelt defaults` prints every key there is"
+
+
+def _written(location: list[str], tables: Mapping[str, Any]) -> str:
+    """Return a value as the person wrote it."""
+    value: Any = tables
+    for part in location:
+        value = value[part]
+    try:
+        text = toml_value(value)
+    except TypeError:
+        text = f"{value}" if not isinstance(value, Mapping) else "{...}"
+    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."

@@ -1,0 +1,212 @@
+"""How a parameter of a study is declared: once, with default, range, unit, meaning and source.
+
+From that one declaration follow the validation with its units, the commented defaults, the
+resolved copy in the results folder and the reference in the documentation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
+
+from fibermelt.errors import ConfigError
+from fibermelt.units import parse
+
+__all__ = ["Declaration", "Section", "Value", "declarations", "flatten", "quantity", "setting"]
+
+Value = float | int | str | bool | tuple[float, ...] | None
+"""What a parameter can be once resolved."""
+
+BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+"""The words for a bound, under the names that pydantic has for it."""
+
+
+def quantity(
+    default: str | float | list[str] | None,
+    unit: str,
+    doc: str,
+    *,
+    source: str = "",
+    example: str = "",
+    hint: str = "",
+    **bounds: float,
+) -> Any:
+    """Declare a physical quantity: a float in SI, or a tuple of them.
+
+    Parameters
+    ----------
+    default : str, float, list of str or None
+        Its value when a study does not say, as a person writes it: ``"24 mm/s"``.
+    unit : str
+        Its SI unit; empty for a pure number.
+    doc : str
+        What it is, in one sentence.
+    source : str
+        Where the default comes from.
+    example : str
+        How to write it, for error messages; the default where that is a text.
+    hint : str
+        What a value out of range would mean, for error messages.
+    **bounds : float
+        ``gt``, ``ge``, ``lt``, ``le`` [unit].
+    """
+    written = default[0] if isinstance(default, list) else default
+    return Field(
+        default=_resolved(default, unit),
+        description=doc,
+        validate_default=True,
+        json_schema_extra={
+            "quantity": True,
+            "unit": unit,
+            "written": list(default) if isinstance(default, list) else default,
+            "source": source,
+            "hint": hint,
+            "example": example or (written if isinstance(written, str) else ""),
+        },
+        **_checked(bounds),
+    )
+
+
+def setting(
+    default: str | int | bool | None,
+    doc: str,
+    *,
+    source: str = "",
+    hint: str = "",
+    **bounds: float,
+) -> Any:
+    """Declare what has no unit: a count, an order, a choice (a ``Literal`` type) or a flag.
+
+    Parameters
+    ----------
+    default, doc, source, hint, **bounds
+        As in `quantity`.
+    """
+    return Field(
+        default=default,
+        description=doc,
+        json_schema_extra={
+            "quantity": False,
+            "unit": "",
+            "written": default,
+            "source": source,
+            "hint": hint,
+            "example": "",
+        },
+        **_checked(bounds),
+    )
+
+
+def _checked(bounds: dict[str, float]) -> dict[str, Any]:
+    unknown = set(bounds) - set(BOUNDS)
+    if unknown:
+        msg = f"a parameter has no bound {sorted(unknown)}: {', '.join(BOUNDS)}"
+        raise TypeError(msg)
+    return dict(bounds)
+
+
+def _resolved(value: object, unit: str) -> Any:
+    """Return a value as written with its units resolved to SI."""
+    if isinstance(value, (list, tuple)):
+        return tuple(_resolved(item, unit) for item in value)
+    return parse(value, unit) if value is not None else None
+
+
+class Section(BaseModel):
+    """A table of a study file: frozen once read, and no key in it that it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _units(cls, value: object, info: ValidationInfo) -> object:
+        """Resolve the units of a quantity; everything else goes on as it is."""
+        extra = _extra(cls.model_fields[str(info.field_name)])
+        if not extra.get("quantity"):
+            return value
+        unit = str(extra["unit"])
+        if not isinstance(value, list):
+            return _resolved_for_pydantic(value, unit)
+        return tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
+
+
+def _resolved_for_pydantic(value: object, unit: str, item: int = 0) -> object:
+    """Resolve units; pydantic collects ValueErrors, and stops at anything else."""
+    try:
+        return _resolved(value, unit)
+    except ConfigError as error:
+        msg = f'item {item} = "{value}" {error}' if item else str(error)
+        raise ValueError(msg) from error
+
+
+def _extra(field: FieldInfo) -> dict[str, Any]:
+    return field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """One parameter, as declared: what documentation and error messages are made of."""
+
+    key: str
+    unit: str
+    default: Value
+    written: str | float | list[str] | None
+    doc: str
+    source: str
+    hint: str
+    example: str
+    bounds: tuple[tuple[str, float], ...]
+    choices: tuple[str, ...]
+
+    @property
+    def range(self) -> str:
+        """Return the admissible range in words: ``above 0 m`` or ``"mean" or "far-node"``."""
+        if self.choices:
+            return " or ".join(f'"{choice}"' for choice in self.choices)
+        return " and ".join(
+            f"{BOUNDS[name]} {bound:g} {self.unit}".rstrip() for name, bound in self.bounds
+        )
+
+
+def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declaration]:
+    """Yield every parameter of a model and of the sections in it, in the order of declaration."""
+    for name, field in model.model_fields.items():
+        key = f"{prefix}{name}"
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from declarations(field.annotation, f"{key}.")
+            continue
+        extra = _extra(field)
+        is_choice = get_origin(field.annotation) is Literal
+        yield Declaration(
+            key=key,
+            unit=extra["unit"],
+            default=field.default,
+            written=extra["written"],
+            doc=field.description or "",
+            source=extra["source"],
+            hint=extra["hint"],
+            example=extra["example"],
+            bounds=tuple(
+                (name, float(getattr(constraint, name)))
+                for constraint in field.metadata
+                for name in BOUNDS
+                if hasattr(constraint, name)
+            ),
+            choices=tuple(map(str, get_args(field.annotation))) if is_choice else (),
+        )
+
+
+def flatten(model: BaseModel, prefix: str = "") -> dict[str, Value]:
+    """Return ``{"flow.gap": 0.003, ...}`` of a resolved study."""
+    flat: dict[str, Value] = {}
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        if isinstance(value, BaseModel):
+            flat.update(flatten(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat

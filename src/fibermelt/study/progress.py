@@ -1,0 +1,86 @@
+"""Progress for a person: which stage, how far, what residual; on standard error only."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol, TextIO
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.status import Status
+
+__all__ = ["Observer", "PlainProgress", "Silent", "TerminalProgress", "observing"]
+
+
+class Observer(Protocol):
+    """Who is told how a run goes."""
+
+    def step(self, stage: str, line: str) -> None:
+        """Take note of how far a stage is."""
+
+    def done(self, stage: str, line: str) -> None:
+        """Take note that a stage is finished, and how."""
+
+
+class Silent:
+    """Takes no note."""
+
+    def step(self, stage: str, line: str) -> None:
+        """Ignore it."""
+
+    def done(self, stage: str, line: str) -> None:
+        """Ignore it."""
+
+
+class PlainProgress:
+    """One short line for each step: for logs and pipes.
+
+    Parameters
+    ----------
+    stream : text stream
+        Where they go.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def step(self, stage: str, line: str) -> None:
+        """Write the line."""
+        self._stream.write(f"{stage}: {line}\n")
+        self._stream.flush()
+
+    done = step
+
+
+class TerminalProgress:
+    """One line that is written over while a stage works, and stays when it is done."""
+
+    def __init__(self, console: Console, status: Status) -> None:
+        self._console = console
+        self._status = status
+
+    def step(self, stage: str, line: str) -> None:
+        """Show the line in place of the one before."""
+        from rich.text import Text  # noqa: PLC0415  lazy: pipes never need it
+
+        self._status.update(Text(f"{stage}: {line}"))
+
+    def done(self, stage: str, line: str) -> None:
+        """Leave the line on the screen."""
+        self._console.print(f"{stage}: {line}", markup=False, highlight=False)
+
+
+@contextmanager
+def observing(stream: TextIO | None = None) -> Iterator[Observer]:
+    """Yield the observer that suits where standard error goes: a terminal, or a file or pipe."""
+    stream = sys.stderr if stream is None else stream
+    if not stream.isatty():
+        yield PlainProgress(stream)
+        return
+    from rich.console import Console  # noqa: PLC0415  lazy: pipes never need it
+
+    console = Console(file=stream)
+    with console.status("starting") as status:
+        yield TerminalProgress(console, status)

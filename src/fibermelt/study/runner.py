@@ -1,0 +1,226 @@
+"""Run a study: reuse what is stored, compute what is not, and put the results on show."""
+
+from __future__ import annotations
+
+import json
+import platform
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.study.files import canonical, digest, write_through
+from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.parameters import flatten
+from fibermelt.study.progress import Observer, Silent
+from fibermelt.study.schema import SCHEMA
+from fibermelt.study.stages import Stage, keys, stage_parameters
+from fibermelt.study.store import Record, Store
+from fibermelt.study.toml import resolved_toml
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.loading import Study
+
+__all__ = ["Chain", "DrawFigures", "run_study"]
+
+DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
+"""Draws the figures of results into a folder and returns what it wrote."""
+
+SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf")
+"""Packages whose versions are recorded beside the numbers."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """The stages of a study, and what is made of them when they are done.
+
+    Parameters
+    ----------
+    stages : tuple of Stage
+        Inputs before those who need them.
+    version : int
+        Raised whenever the same stages give other files on show.
+    summarize : callable
+        From the results and the cost of each stage [s] to the content of summary.json, but for
+        its ``"schema"`` and the cost of figures and of the whole.
+    write_fields : callable
+        Writes the fields (flow.vtu) of the results into a folder.
+    """
+
+    stages: tuple[Stage, ...]
+    version: int
+    summarize: Callable[[xr.Dataset, Mapping[str, float]], dict[str, Any]]
+    write_fields: Callable[[xr.Dataset, Path], None]
+
+
+def run_study(
+    study: Study,
+    directory: Path,
+    chain: Chain,
+    *,
+    draw: DrawFigures | None = None,
+    fresh: bool = False,
+    observer: Observer | None = None,
+) -> dict[str, Any]:
+    """Run a study into a folder and return the content of its summary.json.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    directory : Path
+        The results folder; made if need be.
+    chain : Chain
+        The stages to go through.
+    draw : callable, optional
+        Draws the figures; without it there are none.
+    fresh : bool
+        Whether to compute every stage again, and replace what is stored, damaged or not.
+    observer : Observer, optional
+        Who is told how it goes.
+
+    Returns
+    -------
+    dict
+        The summary, in SI. Its ``"cost"`` holds the wall time [s] that each stage took when it
+        was computed, and as ``"total"`` that of the run that wrote the summary: when nothing
+        has changed that is an earlier run, and the summary is the very same.
+
+    Raises
+    ------
+    FibermeltError
+        If a stage has no answer, or the folder cannot be read or written. Stages that were
+        finished before stay, and the next run goes on from them.
+    """
+    run = _Run(study, chain, draw, observer or Silent(), time.perf_counter())
+    store = Store.open(directory)
+    try:
+        return run.into(store, fresh=fresh)
+    finally:
+        store.discard_if_empty()
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One call of `run_study`: what all of its steps need."""
+
+    study: Study
+    chain: Chain
+    draw: DrawFigures | None
+    observer: Observer
+    began: float
+
+    def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
+        values = flatten(self.study.config)
+        stage_keys = keys(self.chain.stages, values)
+        key = self._key(stage_keys)
+        found: dict[str, Record | None] = {
+            name: None if fresh else store.find(name, stage_key)
+            for name, stage_key in stage_keys.items()
+        }
+        if not fresh and store.published(key, but=self.study.path) and all(found.values()):
+            self.observer.done("study", "nothing has changed: all results are up to date")
+            summary: dict[str, Any] = json.loads((store.directory / "summary.json").read_bytes())
+            return summary
+        data: dict[str, xr.Dataset] = {}
+        cost: dict[str, float] = {}
+        for stage in self.chain.stages:
+            record = found[stage.name]
+            if record is not None:
+                data[stage.name] = store.load(record)
+                self.observer.done(stage.name, f"reused (took {record.cost:.1f} s when computed)")
+            else:
+                record, data[stage.name] = self._compute(stage, stage_keys, data)
+                record = store.save(record, data[stage.name], replace=fresh)
+                self.observer.done(stage.name, f"done in {record.cost:.1f} s")
+            cost[stage.name] = record.cost
+        return self._publish(store, key, data, cost)
+
+    def _compute(
+        self, stage: Stage, stage_keys: Mapping[str, str], data: Mapping[str, xr.Dataset]
+    ) -> tuple[Record, xr.Dataset]:
+        parameters = stage_parameters(stage, flatten(self.study.config))
+        start = time.perf_counter()
+        self.observer.step(stage.name, "started")
+        dataset = stage.compute(
+            parameters,
+            {name: data[name] for name in stage.inputs},
+            lambda line: self.observer.step(stage.name, line),
+        )
+        record = Record(
+            stage=stage.name,
+            version=stage.version,
+            key=stage_keys[stage.name],
+            parameters=dict(parameters),
+            inputs={name: stage_keys[name] for name in stage.inputs},
+            cost=time.perf_counter() - start,
+            data="",
+            software=_software(),
+        )
+        return record, dataset
+
+    def _key(self, stage_keys: Mapping[str, str]) -> str:
+        """Return the hash of all that the files on show depend on."""
+        content = {
+            "stages": dict(stage_keys),
+            "version": self.chain.version,
+            "fibermelt": version("fibermelt"),
+            "figures": self.draw is not None,
+        }
+        return digest(canonical(content))
+
+    def _publish(
+        self, store: Store, key: str, data: Mapping[str, xr.Dataset], cost: Mapping[str, float]
+    ) -> dict[str, Any]:
+        """Write what a person looks at, all of it or nothing, and return the summary."""
+        import xarray as xr  # noqa: PLC0415  lazy: a run that finds everything done never needs it
+
+        results = xr.merge(
+            data.values(), combine_attrs="identical", compat="identical", join="exact"
+        )
+        preamble = (
+            f"The study {self.study.name} ({self.study.origin}) as it was run, in SI, with all "
+            "defaults: fibermelt run on this file gives these results again."
+        )
+        config = resolved_toml(self.study.config, preamble)
+        results.attrs = {
+            "title": f"fibermelt study {self.study.name}",
+            "schema": SCHEMA,
+            "config": config,
+            "software": json.dumps(_software()),
+        }
+        summary = {"schema": SCHEMA, **self.chain.summarize(results, cost)}
+
+        def write(folder: Path) -> None:
+            write_through(folder / "config.toml", config.encode())
+            write_through(folder / "results.nc", to_bytes(results))
+            self.chain.write_fields(results, folder)
+            start = time.perf_counter()
+            (folder / "figures").mkdir()
+            if self.draw is not None:
+                self.observer.step("figures", "started")
+                count = len(self.draw(results, folder / "figures"))
+                spent = time.perf_counter() - start
+                self.observer.done("figures", f"{count} files in {spent:.1f} s")
+            summary["cost"]["figures"] = time.perf_counter() - start
+            summary["cost"]["total"] = time.perf_counter() - self.began
+            text = json.dumps(summary, indent=1, allow_nan=False)
+            write_through(folder / "summary.json", text.encode())
+
+        store.publish(key, write)
+        return summary
+
+
+def _software() -> dict[str, str]:
+    """Return the versions of what computes."""
+    found = {"python": platform.python_version()}
+    for name in SOFTWARE:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found

@@ -1,0 +1,132 @@
+"""What a stage of the chain is, and the key under which its result is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.study.files import canonical, digest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.parameters import Value
+
+__all__ = ["Compute", "Inputs", "Parameters", "Say", "Stage", "keys", "stage_parameters"]
+
+
+class Parameters(Mapping[str, Any]):
+    """The parameters that a stage declared, by their keys, and no others.
+
+    A stage that read what it did not declare would be reused when it must not be: it raises.
+    """
+
+    def __init__(self, values: Mapping[str, Value]) -> None:
+        self._values = dict(values)
+
+    def __getitem__(self, key: str) -> Any:
+        """Return the value of a key such as ``flow.gap``, in SI."""
+        if key not in self._values:
+            msg = f"the stage did not declare {key}: add it to its parameters"
+            raise KeyError(msg)
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the keys."""
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        """Return the number of parameters."""
+        return len(self._values)
+
+    def section(self, name: str) -> dict[str, Any]:
+        """Return ``{"gap": 0.003, ...}`` of a table such as ``flow``, as far as declared."""
+        prefix = f"{name}."
+        return {
+            key.removeprefix(prefix): value
+            for key, value in self._values.items()
+            if key.startswith(prefix)
+        }
+
+
+Inputs = Mapping[str, "xr.Dataset"]
+"""The data of the stages that a stage is fed, by their names."""
+
+Say = Callable[[str], None]
+"""Takes a line of progress."""
+
+Compute = Callable[[Parameters, Inputs, Say], "xr.Dataset"]
+"""From parameters and the data of the inputs to data."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One step of the chain: data from parameters and from the data of other stages.
+
+    Parameters
+    ----------
+    name : str
+        Its name, a word.
+    version : int
+        Raised whenever the same parameters give other numbers, so that no old ones are reused.
+    parameters : tuple of str
+        What it reads: keys (``numerics.cell_order``) or whole tables (``flow``).
+    inputs : tuple of str
+        Names of the stages that it is fed; they come before it in the chain.
+    compute : callable
+        Does it.
+    """
+
+    name: str
+    version: int
+    parameters: tuple[str, ...]
+    inputs: tuple[str, ...]
+    compute: Compute
+
+
+def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:
+    """Return the part of a resolved study that a stage reads.
+
+    Raises
+    ------
+    KeyError
+        If it declares a key or a table that no study has.
+    """
+    part: dict[str, Value] = {}
+    for declared in stage.parameters:
+        found = {
+            key: value
+            for key, value in values.items()
+            if key == declared or key.startswith(f"{declared}.")
+        }
+        if not found:
+            msg = f"stage {stage.name} declares {declared}, which no study has"
+            raise KeyError(msg)
+        part.update(found)
+    return Parameters(part)
+
+
+def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]:
+    """Return the key of every stage: a hash of all that its result depends on.
+
+    Of its name and version, the parameters that it reads, and the keys of its inputs; so a
+    change of a fiber's parameter leaves the key of the flow alone.
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+        The chain, inputs before those who need them.
+    values : mapping
+        The resolved study, ``{"flow.gap": 0.003, ...}``.
+    """
+    found: dict[str, str] = {}
+    for stage in stages:
+        content = {
+            "stage": stage.name,
+            "version": stage.version,
+            "parameters": dict(stage_parameters(stage, values)),
+            "inputs": {name: found[name] for name in stage.inputs},
+        }
+        found[stage.name] = digest(canonical(content))
+    return found

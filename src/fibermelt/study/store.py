@@ -1,0 +1,297 @@
+"""The results folder: finished stages under the hash of what made them, and the files on show.
+
+::
+
+    DIR/config.toml  summary.json  results.nc  flow.vtu  figures/     what a person looks at
+    DIR/stages/store.json                                             the schema of this folder
+    DIR/stages/<stage>-<key>/data.nc, record.json                     a finished stage
+    DIR/stages/outputs.json                                           digests of what is on show
+
+A stage is written under a temporary name and renamed when it is whole, so a killed run loses
+at most the stage that it was in. Every file is checked against its digest before it is used.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from dataclasses import replace as changed
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import StoreError
+from fibermelt.study.files import (
+    digest,
+    locked,
+    partial,
+    read_sealed,
+    remove,
+    remove_leftovers,
+    replace_file,
+    storage_errors,
+    write_sealed,
+    write_through,
+)
+from fibermelt.study.netcdf import from_bytes, to_bytes
+from fibermelt.study.schema import SCHEMA, refuse_foreign
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Record", "Store"]
+
+KEY_LENGTH = 20
+"""Digits of a key in a file name: 80 bits; the record holds, and is checked for, all of them."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What is known of a finished stage.
+
+    Parameters
+    ----------
+    stage, version : str, int
+        Which stage, and of which version.
+    key : str
+        Hash of the stage, its version, its parameters and the keys of its inputs.
+    parameters : dict
+        The parameters that it read, resolved, in SI.
+    inputs : dict
+        Keys of the stages that it was fed.
+    cost : float
+        Wall time that it took [s].
+    data : str
+        SHA-256 of its data.nc.
+    software : dict
+        Versions of what computed it.
+    """
+
+    stage: str
+    version: int
+    key: str
+    parameters: Mapping[str, Any]
+    inputs: Mapping[str, str]
+    cost: float
+    data: str
+    software: Mapping[str, str]
+
+
+class Store:
+    """A results folder that can be read and written; use `Store.open`."""
+
+    def __init__(self, directory: Path, made: tuple[Path, ...]) -> None:
+        self.directory = directory
+        self._stages = directory / "stages"
+        self._made = made
+
+    @classmethod
+    def open(cls, directory: Path) -> Store:
+        """Return the store of a folder, made if need be, that is known to be writable.
+
+        Raises
+        ------
+        StoreError
+            If the folder is of another schema, holds files that fibermelt did not write, or
+            cannot be written.
+        """
+        with storage_errors(directory):
+            refuse_foreign(directory, directory / "stages" / "store.json")
+            chain = (directory / "stages", directory, *directory.parents)
+            store = cls(directory, tuple(folder for folder in chain if not folder.exists()))
+        try:
+            with storage_errors(directory):
+                store._mark()
+                remove_leftovers(directory)
+                remove_leftovers(store._stages)
+        except StoreError:
+            store.discard_if_empty()
+            raise
+        return store
+
+    def discard_if_empty(self) -> None:
+        """Remove what `open` made if no stage was finished in it: a failure leaves nothing."""
+        with suppress(OSError):
+            names = {entry.name for entry in self._stages.iterdir()}
+            if self._made and names <= {"store.json", "lock"}:
+                for name in names:
+                    (self._stages / name).unlink(missing_ok=True)
+            for folder in self._made:
+                folder.rmdir()
+
+    def find(self, stage: str, key: str) -> Record | None:
+        """Return the record of a finished stage whose data are whole, or None if there is none.
+
+        Raises
+        ------
+        StoreError
+            If it is there but damaged.
+        """
+        folder = self._folder(stage, key)
+        if not folder.is_dir():
+            return None
+        record = self._read_record(folder)
+        if record.key != key:
+            raise _damaged(folder / "record.json")
+        self._read_data(record)
+        return record
+
+    def load(self, record: Record) -> xr.Dataset:
+        """Return the data of a finished stage.
+
+        Raises
+        ------
+        StoreError
+            If they are damaged.
+        """
+        return from_bytes(self._read_data(record))
+
+    def save(self, record: Record, dataset: xr.Dataset, *, replace: bool = False) -> Record:
+        """Store a finished stage and return its record with the digest of its data.
+
+        Parameters
+        ----------
+        record : Record
+            What is known of it.
+        dataset : xarray.Dataset
+            Its data.
+        replace : bool
+            Whether it takes the place of one that is there; else whoever came first stays.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be written; nothing of it is left then.
+        """
+        data = to_bytes(dataset)
+        sealed = changed(record, data=digest(data))
+        folder = self._folder(record.stage, record.key)
+        temporary = partial(self._stages)
+        with storage_errors(folder):
+            try:
+                self._mark()
+                temporary.mkdir()
+                write_through(temporary / "data.nc", data)
+                write_sealed(temporary / "record.json", asdict(sealed))
+                if replace and folder.exists():
+                    old = partial(self._stages)
+                    folder.rename(old)
+                    remove(old)
+                try:
+                    temporary.rename(folder)
+                except OSError:
+                    if not folder.exists():
+                        raise
+            finally:
+                remove(temporary)
+        return sealed
+
+    def published(self, run: str, *, but: Path | None = None) -> bool:
+        """Tell whether the files on show are those of a run, complete and unchanged.
+
+        Parameters
+        ----------
+        run : str
+            Key of the run.
+        but : Path, optional
+            A file that may differ: the study itself, where it is a results folder's config.toml.
+
+        Raises
+        ------
+        StoreError
+            If one of them was changed since it was written: it is not overwritten silently.
+        """
+        manifest = self._stages / "outputs.json"
+        with storage_errors(manifest), locked(self._stages / "lock"):
+            if not manifest.exists():
+                return False
+            try:
+                content = read_sealed(manifest)
+            except ValueError as error:
+                raise _damaged(manifest) from error
+            complete = True
+            for name, expected in content["files"].items():
+                path = self.directory / name
+                if not path.exists():
+                    complete = False
+                elif but is not None and path.samefile(but):
+                    continue
+                elif digest(path.read_bytes()) != expected:
+                    raise _damaged(path)
+            return complete and bool(content["run"] == run)
+
+    def publish(self, run: str, write: Callable[[Path], None]) -> None:
+        """Put the files of a run on show: all of them are written before the first is replaced.
+
+        Parameters
+        ----------
+        run : str
+            Key of the run.
+        write : callable
+            Writes the files into the folder that it is given.
+
+        Raises
+        ------
+        StoreError
+            If they cannot be written; what was on show before is still there then.
+        """
+        temporary = partial(self.directory)
+        with storage_errors(self.directory):
+            try:
+                temporary.mkdir()
+                write(temporary)
+                written = [path for path in sorted(temporary.rglob("*")) if path.is_file()]
+                digests = {
+                    path.relative_to(temporary).as_posix(): digest(path.read_bytes())
+                    for path in written
+                }
+                with locked(self._stages / "lock"):
+                    self._unlist(but=digests)
+                    for name in digests:
+                        (self.directory / name).parent.mkdir(parents=True, exist_ok=True)
+                        (temporary / name).replace(self.directory / name)
+                    content = {"run": run, "files": digests}
+                    write_sealed(self._stages / "outputs.json", content)
+            finally:
+                remove(temporary)
+
+    def _mark(self) -> None:
+        """Say which schema this folder has; the write shows that it can be written at all."""
+        self._stages.mkdir(parents=True, exist_ok=True)
+        replace_file(self._stages / "store.json", json.dumps({"schema": SCHEMA}).encode())
+
+    def _unlist(self, but: Mapping[str, str]) -> None:
+        """Forget what is on show, and remove what no file of a new run will replace."""
+        manifest = self._stages / "outputs.json"
+        with suppress(ValueError, StoreError):
+            for name in set(read_sealed(manifest)["files"]) - set(but):
+                remove(self.directory / name)
+        manifest.unlink(missing_ok=True)
+
+    def _folder(self, stage: str, key: str) -> Path:
+        return self._stages / f"{stage}-{key[:KEY_LENGTH]}"
+
+    def _read(self, path: Path) -> bytes:
+        with storage_errors(path):
+            return path.read_bytes()
+
+    def _read_record(self, folder: Path) -> Record:
+        path = folder / "record.json"
+        try:
+            return Record(**read_sealed(path))
+        except (ValueError, TypeError, StoreError) as error:
+            raise _damaged(path) from error
+
+    def _read_data(self, record: Record) -> bytes:
+        path = self._folder(record.stage, record.key) / "data.nc"
+        if not path.exists() or digest(data := self._read(path)) != record.data:
+            raise _damaged(path)
+        return data
+
+
+def _damaged(path: Path) -> StoreError:
+    return StoreError(
+        f"{path}: is damaged, or was changed since it was written; run again with --fresh to "
+        "compute and write it anew"
+    )

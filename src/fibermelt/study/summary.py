@@ -1,0 +1,172 @@
+"""summary.json: the numbers of a finished study, as a function of its results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["in_words", "summarize"]
+
+COST_OF = {"flow": ("flow", "streamlines"), "cell": ("cell",), "motion": ("motion",)}
+"""Stages whose cost is summed under each heading of the summary."""
+
+FLOW_NUMBERS = (
+    "bead_height",
+    "inlet_pressure",
+    "contact_point",
+    "heel",
+    "mass_imbalance",
+    "kinematic_residual",
+)
+FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
+
+
+def summarize(results: xr.Dataset, cost: Mapping[str, float]) -> dict[str, Any]:
+    """Return the content of summary.json, in SI, but for its schema and the cost of the whole.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        The results, as in results.nc.
+    cost : mapping
+        Wall time of each stage [s].
+
+    Returns
+    -------
+    dict
+        ``flow``, ``streamlines``, ``cell``, ``extremes``, ``orientation`` and ``cost``. Extremes
+        are surface pressure less streamline pressure [Pa]; their statistics run over the
+        initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
+        orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
+        angle to the streamline [rad].
+    """
+    flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS}
+    flow |= {name: int(results[name]) for name in FLOW_COUNTS}
+    return {
+        "flow": flow,
+        "streamlines": _streamlines(results),
+        "cell": _cell(results),
+        "extremes": _extremes(results),
+        "orientation": _orientation(results),
+        "cost": {
+            heading: sum(cost[stage] for stage in stages) for heading, stages in COST_OF.items()
+        },
+    }
+
+
+def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
+    return [
+        {
+            "index": int(results["streamline"][k]),
+            "transit_time": float(results["time"][k, -1]),
+            "stream_function_drift": float(results["stream_function_drift"][k]),
+            "near_singularity": bool(results["near_singularity"][k]),
+        }
+        for k in range(results.sizes["streamline"])
+    ]
+
+
+def _cell(results: xr.Dataset) -> dict[str, Any]:
+    stall_angle = float(results["stall_angle"])
+    return {
+        "aspect_ratio": float(results["aspect_ratio"]),
+        "domain_size": float(results["domain_size"]),
+        "shape_factor": float(results["shape_factor"]),
+        "stall_angle": None if math.isnan(stall_angle) else stall_angle,
+        "tip_pressure": float(results["tip_pressure"]),
+        "error_estimate": {
+            "shape_factor": float(results["shape_factor_error"]),
+            "tip_pressure": float(results["tip_pressure_error"]),
+        },
+        "unknowns": int(results["cell_unknowns"]),
+    }
+
+
+def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:
+    import numpy as np  # noqa: PLC0415  lazy: a run that finds everything done never needs it
+
+    dims = ("streamline", "location", "kind", "initial_angle")
+    values, x, y = (
+        results[name].transpose(*dims).to_numpy() for name in ("extreme", "extreme_x", "extreme_y")
+    )
+    bounds = results["extreme_bounds"].transpose(*dims[:3], "side").to_numpy()
+    quantiles = results["extreme_quantiles"].transpose(*dims[:3], "quantile").to_numpy()
+    labels = [results[name].to_numpy() for name in dims[:3]]
+    return [
+        {
+            "streamline": int(labels[0][at[0]]),
+            "location": int(labels[1][at[1]]),
+            "kind": str(labels[2][at[2]]),
+            "mean": float(values[at].mean()),
+            "median": float(np.median(values[at])),
+            "lowest": float(values[at].min()),
+            "highest": float(values[at].max()),
+            "x": float(x[at].mean()),
+            "y": float(y[at].mean()),
+            "bounds": bounds[at].tolist(),
+            "quantiles": quantiles[at].tolist(),
+        }
+        for at in np.ndindex(values.shape[:3])
+    ]
+
+
+def _orientation(results: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the spread of the fibers' directions at each zone.
+
+    A fiber has no head: its angle is known up to half turns. Each is taken within a quarter
+    turn of the mean director ``arg(mean exp(2 i theta)) / 2``, where their mean makes sense.
+    """
+    import numpy as np  # noqa: PLC0415  as in _extremes
+
+    angle = results["zone_angle"].transpose("streamline", "zone", "initial_angle").to_numpy()
+    director = np.angle(np.exp(2j * angle).mean(axis=-1, keepdims=True)) / 2
+    near = director + np.angle(np.exp(2j * (angle - director))) / 2
+    return [
+        {
+            "streamline": int(results["streamline"][k]),
+            "zone": int(results["zone"][z]),
+            "mean": float(near[k, z].mean()),
+            "lowest": float(near[k, z].min()),
+            "highest": float(near[k, z].max()),
+        }
+        for k, z in np.ndindex(near.shape[:2])
+    ]
+
+
+def in_words(summary: Mapping[str, Any], folder: Path) -> str:
+    """Return a summary as a few lines for a person, that say where to look.
+
+    Parameters
+    ----------
+    summary : mapping
+        The content of summary.json.
+    folder : Path
+        The results folder.
+    """
+    flow, cell = summary["flow"], summary["cell"]
+    stall = cell["stall_angle"]
+    motion = "tumbles" if stall is None else f"stalls at {math.degrees(stall):.2f} deg"
+    lines = [
+        f"bead height     {flow['bead_height'] * 1e3:.3f} mm",
+        f"inlet pressure  {flow['inlet_pressure'] / 1e6:.3f} MPa",
+        f"contact point   {flow['contact_point'] * 1e3:.3f} mm from the nozzle's axis",
+        f"fiber           B = {cell['shape_factor']:.4f}: in simple shear it {motion}",
+    ]
+    for location, place in ((1, "in the nozzle"), (2, "below it      ")):
+        found = [
+            extreme
+            for extreme in summary["extremes"]
+            if extreme["location"] == location and extreme["kind"] == "min"
+        ]
+        worst = min(found, key=lambda extreme: float(extreme["lowest"]))
+        lines.append(
+            f"lowest {place}  {-worst['lowest'] / 1e6:.3f} MPa below the melt's own pressure, on "
+            f"streamline {worst['streamline']}"
+        )
+    cost = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary["cost"].items())
+    return "\n".join([*lines, f"cost            {cost}", f"results         {folder}"])

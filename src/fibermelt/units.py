@@ -1,0 +1,167 @@
+"""Units at the door: ``"24 mm/s"`` becomes 0.024, and everything inside is an SI float.
+
+This is the only module that knows anything but SI. It is imported by the configuration and the
+command line; pint is loaded when the first quantity with a unit is read.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+from functools import cache
+from tokenize import TokenError
+from typing import TYPE_CHECKING
+
+from fibermelt.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+__all__ = ["parse", "shown"]
+
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>(?:1\s*/|[^\d\s]).*)?",
+    re.DOTALL,
+)
+_UNIT = re.compile(r"(?:1?\s*/)?(?:[\s*/()]|[A-Za-z%µμ]+(?:\^?[+-]?\d)?)*")
+_EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
+
+POWER_OF_TEN_TOLERANCE = 1e-12
+"""Largest distance of log10(factor) from an integer that is rounding in the unit library."""
+
+
+@cache
+def _registry() -> UnitRegistry[float]:
+    """Return the one unit registry, made at first use: it costs half a second."""
+    import pint  # noqa: PLC0415  lazy: help and closed forms never need it
+
+    return pint.UnitRegistry()
+
+
+def _pint_unit(unit: str) -> str:
+    """Return a unit as the unit library spells it: ``m3`` is ``m^3``, ``Pa·s`` a product."""
+    spelled = unit.strip().replace("·", "*").replace("**", "^")
+    spelled = spelled.replace("°C", "degC").replace("°", "deg").replace("%", "percent")
+    if not _UNIT.fullmatch(spelled):
+        raise ValueError(unit)
+    return _EXPONENT.sub(r"\1^\2", "1" + spelled if spelled.startswith("/") else spelled)
+
+
+@cache
+def _scale(unit: str, si_unit: str) -> tuple[float, float]:
+    """Return ``(factor, offset)`` such that the SI value is ``factor * number + offset``.
+
+    Raises
+    ------
+    ConfigError
+        If ``unit`` is not known or is of another dimension than ``si_unit``.
+    """
+    import pint  # noqa: PLC0415  lazy, see _registry
+
+    registry = _registry()
+    try:
+        source = registry.parse_units(_pint_unit(unit))
+    except (pint.PintError, ValueError, AssertionError, AttributeError, TokenError) as error:
+        msg = f'has the unit "{unit}", which is not known'
+        raise ConfigError(msg) from error
+    target = registry.parse_units(_pint_unit(si_unit) if si_unit else "dimensionless")
+    try:
+        zero = float(registry.Quantity(0.0, source).to(target).magnitude)
+        one = float(registry.Quantity(1.0, source).to(target).magnitude)
+    except pint.DimensionalityError as error:
+        wanted = "an angle" if si_unit == "rad" else _kind(target)
+        msg = f'has the unit "{unit}", which measures {_kind(source)}, not {wanted}'
+        raise ConfigError(msg) from error
+    return one - zero, zero
+
+
+def _kind(unit: object) -> str:
+    """Return the dimension of a unit in words, such as ``length / time``."""
+    words = str(getattr(unit, "dimensionality", "")).replace("[", "").replace("]", "")
+    return "a pure number" if words in {"", "dimensionless"} else words.replace("**", "^")
+
+
+def _scaled(number: str, factor: float) -> float:
+    """Return ``number * factor``; an exact decimal shift where the factor is a power of ten.
+
+    So ``"3.175 mm"`` is the very float 0.003175 and addresses the same stored result.
+    """
+    plain = float(number)
+    exponent = math.log10(factor)
+    if plain and math.isfinite(plain) and abs(exponent - round(exponent)) < POWER_OF_TEN_TOLERANCE:
+        return float(Decimal(number).scaleb(round(exponent)))
+    return plain * factor
+
+
+def parse(value: object, unit: str) -> float:
+    """Return a quantity in SI.
+
+    Parameters
+    ----------
+    value : str, int or float
+        ``"24 mm/s"``, ``"30 deg"``, ``"8.4 %"``, ``"230 degC"``; or a number, which is SI already.
+        A text without a unit is accepted only where ``unit`` is empty.
+    unit : str
+        The SI unit expected, such as ``"m/s"`` or ``"Pa s"``; empty for a pure number.
+
+    Returns
+    -------
+    float
+        The value in ``unit``; finite.
+
+    Raises
+    ------
+    ConfigError
+        If the value is no number with a unit, or has another dimension. The message does not
+        name the key: who reads the configuration knows it and puts it in front.
+
+    Examples
+    --------
+    >>> parse("24 mm/s", "m/s")
+    0.024
+    >>> parse(0.003, "m")
+    0.003
+    """
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        msg = f"is not a number{_with_unit(unit)}"
+        raise ConfigError(msg)
+    if not isinstance(value, str):
+        number = float(value)
+    else:
+        match = _QUANTITY.fullmatch(value)
+        if match is None:
+            msg = f"is not a number{_with_unit(unit)}"
+            raise ConfigError(msg)
+        given = (match["unit"] or "").strip()
+        if unit and not given:
+            msg = f"has no unit: write one, or the bare number {value.strip()} for {unit}"
+            raise ConfigError(msg)
+        factor, offset = _scale(given, unit) if given else (1.0, 0.0)
+        number = _scaled(match["number"], factor) + offset
+    if not math.isfinite(number):
+        msg = "is not finite"
+        raise ConfigError(msg)
+    return number
+
+
+def _with_unit(unit: str) -> str:
+    return f" in {unit}" if unit else ""
+
+
+def shown(value: float, unit: str, like: str = "") -> str:
+    """Return an SI value as a person writes it.
+
+    Parameters
+    ----------
+    value : float
+        The value in ``unit``.
+    unit : str
+        Its SI unit; may be empty.
+    like : str
+        Another unit of the same dimension to show it in, such as ``"mm"``.
+    """
+    if like and like != unit:
+        factor, offset = _scale(like, unit)
+        return f"{(value - offset) / factor:.12g} {like}"
+    return f"{value:.12g} {unit}".rstrip()

@@ -1,0 +1,121 @@
+"""The command line: what it prints, where, and with which exit code."""
+
+import json
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from typer.testing import CliRunner
+
+from fibermelt.cli import app
+
+
+def fibermelt(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_validate(tmp_path):
+    study = tmp_path / "mine.toml"
+    study.write_text('preset = "paper"\n[flow]\ngap = "3.5 mm"\n')
+    done = fibermelt("validate", study)
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert "valid study (mine.toml, preset paper)" in done.stdout
+    done = fibermelt("validate", study, "-s", "fiber.aspect_ratio=8", "--json")
+    resolved = json.loads(done.stdout)
+    assert (resolved["flow.gap"], resolved["fiber.aspect_ratio"]) == (0.0035, 8.0)
+
+
+def test_defaults():
+    done = fibermelt("defaults")
+    assert done.exit_code == 0
+    assert tomllib.loads(done.stdout)["flow"]["gap"] == "3 mm"
+    listed = json.loads(fibermelt("defaults", "--json").stdout)
+    assert listed["flow.gap"] == {
+        "default": 0.003,
+        "unit": "m",
+        "range": "above 0 m",
+        "meaning": "Distance from the nozzle's lips to the bed.",
+        "source": listed["flow.gap"]["source"],
+    }
+    assert "inferred" in listed["flow.gap"]["source"]
+
+
+def test_version():
+    assert fibermelt("version").stdout.startswith("fibermelt ")
+    assert set(json.loads(fibermelt("version", "--json").stdout)) == {"fibermelt"}
+
+
+@pytest.mark.parametrize("command", ["run", "validate"])
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("[flow]\ngapp = 3", "error: flow.gapp: unknown key; did you mean flow.gap?"),
+        (
+            '[flow]\ngap = "3 s"',
+            'error: flow.gap = "3 s": has the unit "s", which measures time, not length; '
+            'expected m, such as "3 mm"',
+        ),
+        (
+            "[fiber]\ndomain_size = 2.0",
+            "error: fiber.domain_size = 2.0: must be above 2 (the fiber would be larger than its "
+            "cell)",
+        ),
+        ("[fiber]\naspect_ratio = 0.9", "error: fiber.aspect_ratio = 0.9: must be at least 1"),
+        (
+            '[flow]\ninlet_width = "3 mm"',
+            "error: flow.inlet_width = 0.003 m is narrower than flow.capillary_width = "
+            "0.003175 m: a nozzle narrows downwards",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, command, text, line):
+    study = tmp_path / "study.toml"
+    study.write_text(text)
+    where = ("--out", tmp_path / "out") if command == "run" else ()
+    done = fibermelt(command, study, *where)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr == f"{line}\n"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["study.toml"]
+
+
+def test_several_mistakes_are_several_lines():
+    done = fibermelt("validate", "paper", "-s", "flow.gap=-1", "-s", "flow.gapp=1")
+    assert done.stderr.splitlines() == [
+        "error: flow.gap = -1: must be above 0 m",
+        "error: flow.gapp: unknown key; did you mean flow.gap?",
+    ]
+
+
+def test_a_folder_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_text("")
+    done = fibermelt("run", "paper", "--out", tmp_path / "file/out")
+    assert done.exit_code == 2
+    assert "not a directory" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stdout == ""
+
+
+HEAVY = ("ngsolve", "numpy", "xarray", "matplotlib", "pint", "pydantic", "scipy")
+
+
+@pytest.mark.parametrize(
+    ("code", "allowed"),
+    [
+        ("import fibermelt", ()),
+        ("from fibermelt.cli import app", ()),
+        # The unit library reads the study, and looks for numpy and scipy by itself.
+        (
+            "import fibermelt.study.runner, fibermelt.study.chain",
+            ("pydantic", "pint", "numpy", "scipy"),
+        ),
+    ],
+)
+def test_what_is_imported_stays_light(code, allowed):
+    listing = f"{code}; import sys; print([m for m in {HEAVY!r} if m in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", listing], capture_output=True, text=True, check=True
+    )
+    loaded = set(done.stdout.strip("[]\n").replace("'", "").split(", ")) - {""}
+    assert loaded <= set(allowed)

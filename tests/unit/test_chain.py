@@ -1,0 +1,101 @@
+"""The chain's stages: what they read, and that a study and the solvers mean the same defaults."""
+
+from dataclasses import fields
+
+import pytest
+
+from fibermelt.errors import StoreError
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.study.chain import CHAIN
+from fibermelt.study.fiber_stages import PRESSURE_REFERENCE
+from fibermelt.study.flow_stages import FLOW_NUMERICS
+from fibermelt.study.loading import resolve
+from fibermelt.study.netcdf import from_bytes, to_bytes
+from fibermelt.study.parameters import flatten
+from fibermelt.study.stages import keys, stage_parameters
+from fibermelt.study.variables import VARIABLES, labelled
+from fibermelt.units import parse
+
+DEFAULTS = flatten(resolve({}))
+
+
+def test_every_parameter_is_read_by_a_stage():
+    read = {key for stage in CHAIN.stages for key in stage_parameters(stage, DEFAULTS)}
+    assert read == set(DEFAULTS)
+
+
+def test_stages_come_after_their_inputs():
+    seen = set()
+    for stage in CHAIN.stages:
+        assert set(stage.inputs) <= seen
+        seen.add(stage.name)
+
+
+@pytest.mark.parametrize(
+    ("key", "changed"),
+    [
+        ("flow.gap", {"flow", "streamlines", "motion"}),
+        ("streamlines.count", {"streamlines", "motion"}),
+        ("fiber.aspect_ratio", {"cell", "motion"}),
+        ("fiber.initial_angles", {"motion"}),
+        ("numerics.isotropic_angles", {"motion"}),
+    ],
+)
+def test_a_change_reaches_what_depends_on_it(key, changed):
+    before = keys(CHAIN.stages, DEFAULTS)
+    value = DEFAULTS[key]
+    other = value[1:] if isinstance(value, tuple) else type(value)(value * 2)
+    after = keys(CHAIN.stages, {**DEFAULTS, key: other})
+    assert {name for name in before if before[name] != after[name]} == changed
+
+
+def test_a_study_and_the_flow_have_the_same_defaults():
+    numerics = FlowNumerics()
+    assert set(FLOW_NUMERICS.values()) == {field.name for field in fields(FlowNumerics)}
+    for key, name in FLOW_NUMERICS.items():
+        assert DEFAULTS[key] == getattr(numerics, name)
+    for field in fields(Nozzle):
+        assert DEFAULTS[f"flow.{field.name}"] == getattr(Nozzle(), field.name)
+    speeds = {field.name: field.default for field in fields(Deposition)}
+    assert DEFAULTS["flow.inlet_speed"] == speeds["inlet_speed"]
+    assert DEFAULTS["flow.bed_speed"] == speeds["bed_speed"]
+
+
+def test_a_study_and_the_cell_have_the_same_defaults():
+    assert DEFAULTS["numerics.cell_order"] == CellNumerics().order
+    reference = PRESSURE_REFERENCE[DEFAULTS["fiber.pressure_reference"]]
+    assert reference == CellNumerics().pressure_reference
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_every_variable_has_a_unit_that_exists(name):
+    dimensions, unit, long_name = VARIABLES[name]
+    assert long_name
+    assert name not in dimensions.split() or dimensions == name
+    assert unit == "1" or parse(f"1 {unit}", unit) == 1
+
+
+def test_labelled_arrays_survive_the_file():
+    before = labelled(
+        {"streamline": [1, 2], "zone_time": [[0.1, 0.2, 0.3]] * 2, "bead_height": 3e-3}
+    )
+    after = from_bytes(to_bytes(before))
+    assert after.identical(before)
+
+
+def test_an_undeclared_variable_is_refused():
+    with pytest.raises(StoreError, match="variable gapp is not declared"):
+        labelled({"gapp": 1.0})
+
+
+def test_a_wrong_shape_is_refused():
+    with pytest.raises(StoreError, match=r"zone_time has shape \(3,\), declared are"):
+        labelled({"zone_time": [1.0, 2.0, 3.0]})
+
+
+def test_a_variable_without_a_unit_is_refused():
+    dataset = labelled({"bead_height": 3e-3})
+    del dataset["bead_height"].attrs["units"]
+    with pytest.raises(StoreError, match="variable bead_height has no units: give it both"):
+        to_bytes(dataset)

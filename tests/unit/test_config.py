@@ -1,0 +1,223 @@
+"""Studies as people write them: what is accepted, and what is said of what is not."""
+
+import math
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fibermelt.errors import ConfigError
+from fibermelt.study.config import Config
+from fibermelt.study.loading import load_study, preset_names, resolve
+from fibermelt.study.parameters import declarations, flatten, quantity
+from fibermelt.study.toml import defaults_toml, resolved_toml, toml_value
+
+PAPER = load_study("paper").config
+EVERY = list(declarations(Config))
+
+
+def study(folder, text):
+    path = folder / "study.toml"
+    path.write_text(text)
+    return str(path)
+
+
+def test_the_paper():
+    assert PAPER.flow.inlet_speed == 0.024
+    assert PAPER.flow.bed_speed == 0.1016
+    assert PAPER.melt.viscosity == 817
+    assert PAPER.fiber.half_length == 42e-6
+    assert PAPER.fiber.domain_size == 4
+    assert len(PAPER.fiber.initial_angles) == 13
+    assert PAPER.fiber.initial_angles[0] == -math.pi / 2
+    assert PAPER.flow.bead_height == pytest.approx(3e-3, rel=1e-15)
+
+
+def test_the_defaults_are_the_paper():
+    assert resolve({}) == PAPER
+
+
+def test_every_preset_is_valid():
+    assert "paper" in preset_names()
+    for name in preset_names():
+        load_study(name)
+
+
+def test_a_study_starts_from_a_preset(tmp_path):
+    path = study(tmp_path, 'preset = "paper"\n[flow]\ngap = "3.5 mm"\n')
+    assert load_study(path).config.flow.gap == 0.0035
+    assert load_study(path).config.melt == PAPER.melt
+
+
+@pytest.mark.parametrize(
+    "override", ["flow.gap=3.5 mm", 'flow.gap="3.5 mm"', "flow.gap = 0.0035", "flow.gap='3.5 mm'"]
+)
+def test_an_override_wins(tmp_path, override):
+    path = study(tmp_path, 'preset = "paper"\n[flow]\ngap = "3.2 mm"\n')
+    assert load_study(path, [override]).config.flow.gap == 0.0035
+
+
+def test_overrides_of_lists_and_choices():
+    config = load_study(
+        "paper", ["fiber.initial_angles=['0 deg', 1.5]", "fiber.pressure_reference=far-node"]
+    ).config
+    assert config.fiber.initial_angles == (0.0, 1.5)
+    assert config.fiber.pressure_reference == "far-node"
+
+
+def test_numbers_are_si(tmp_path):
+    path = study(tmp_path, "[flow]\ngap = 0.0031\nbed_speed = 1\n[fiber]\ninitial_angles = [0, 1]")
+    config = load_study(path).config
+    assert (config.flow.gap, config.flow.bed_speed) == (0.0031, 1.0)
+    assert config.fiber.initial_angles == (0.0, 1.0)
+
+
+ONE_LINE = [
+    ("[flow]\ngapp = 3", r"^flow\.gapp: unknown key; did you mean flow\.gap\?$"),
+    ("[flwo]\ngap = 3", r"^flwo: unknown key; did you mean \[flow\]\?$"),
+    ("[melt]\ngap = 3", r"^melt\.gap: unknown key; did you mean flow\.gap\?$"),
+    ("gap = 3", r"^gap: unknown key; did you mean flow\.gap\?$"),
+    ("zzz = 3", r"^zzz: unknown key; `fibermelt defaults` prints every key there is$"),
+    ('[flow]\ngap = "3 s"', r'^flow\.gap = "3 s": .*time, not length.* m, such as "3 mm"$'),
+    ('[flow]\ngap = "3"', r'^flow\.gap = "3": has no unit.*such as "3 mm"$'),
+    ("[flow]\ngap = true", r'^flow\.gap = true: is not a number in m.*"3 mm"$'),
+    ("[flow]\ngap = nan", r"^flow\.gap = nan: is not finite"),
+    ("[flow]\ngap = [1]", r"^flow\.gap = \[1\]: must be one number, above 0 m"),
+    ('[flow]\ngap = "-1 mm"', r'^flow\.gap = "-1 mm": must be above 0 m$'),
+    ("flow = 3", r"^flow = 3: is a table of parameters: write \[flow\]$"),
+    ("[fiber]\naspect_ratio = 0.5", r"^fiber\.aspect_ratio = 0\.5: must be at least 1$"),
+    (
+        "[fiber]\ndomain_size = 1.9",
+        r"^fiber\.domain_size = 1\.9: must be above 2 \(the fiber would be larger than its cell\)$",
+    ),
+    ("[fiber]\ninitial_angles = []", r"^fiber\.initial_angles = \[\]: at least one angle"),
+    ("[fiber]\ninitial_angles = 3", r"^fiber\.initial_angles = 3: must be a list, such as"),
+    (
+        '[fiber]\ninitial_angles = ["0 deg", "1 m"]',
+        r'^fiber\.initial_angles = .*: item 2 = "1 m" has the unit "m".*such as "-90 deg"$',
+    ),
+    (
+        '[fiber]\npressure_reference = "maen"',
+        r'^fiber\.pressure_reference = "maen": must be "mean" or "far-node"$',
+    ),
+    (
+        "[streamlines]\ncount = 2.5",
+        r"^streamlines\.count = 2\.5: must be a whole number, at least 1$",
+    ),
+    ('preset = "papr"', r'^no study is called "papr"; did you mean paper\? \(shipped: .*paper'),
+    ("preset = 3", r"^preset = 3: must be the name of a shipped study"),
+    (
+        '[flow]\ninlet_width = "2 mm"',
+        r"^flow\.inlet_width = 0\.002 m is narrower than flow\.capillary_width = 0\.003175 m",
+    ),
+    (
+        '[flow]\noutlet = "4 mm"',
+        r"^flow\.outlet = 0\.004 m lies too near the nozzle: at least 0\.0075875 m",
+    ),
+    ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), ONE_LINE)
+def test_one_line_says_what_is_wrong(tmp_path, text, message):
+    with pytest.raises(ConfigError, match=message) as raised:
+        load_study(study(tmp_path, text))
+    assert len(str(raised.value).splitlines()) == 1
+
+
+def test_every_fault_has_its_line(tmp_path):
+    text = "[flow]\ngap = -1\nwidth = 3\n[melt]\nviscosity = 'thick'\n[fiber]\naspect_ratio = 0"
+    with pytest.raises(ConfigError) as raised:
+        load_study(study(tmp_path, text))
+    starts = [line.split(":")[0] for line in str(raised.value).splitlines()]
+    assert starts == [
+        "flow.gap = -1",
+        "flow.width",
+        'melt.viscosity = "thick"',
+        "fiber.aspect_ratio = 0",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("papr", "did you mean paper"),
+        ("nope.toml", "nope.toml: no such study file; the shipped studies are: .*paper"),
+        ("no/where", "no/where: no such study file"),
+    ],
+)
+def test_a_study_that_is_not_there(name, message):
+    with pytest.raises(ConfigError, match=message):
+        load_study(name)
+
+
+def test_a_study_that_is_no_text(tmp_path):
+    (tmp_path / "study.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(ConfigError, match="byte 0 is not UTF-8"):
+        load_study(str(tmp_path / "study.toml"))
+
+
+@pytest.mark.parametrize("override", ["flow.gap", "=3", "flow..gap=3", ".=3"])
+def test_an_override_is_key_and_value(override):
+    with pytest.raises(ConfigError, match="write it as key=value"):
+        load_study("paper", [override])
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("flow.gapp=3.5 mm", r"flow\.gapp: unknown key; did you mean flow\.gap\?"),
+        ("flow=3", "is a table of parameters"),
+        ("flow.gap.x=3", r"flow\.gap = \{\.\.\.\}: is not a number in m"),
+        ("flow.gap=1\nb=2", r"flow\.gap = .*the unit .* is not known|is not a number"),
+    ],
+)
+def test_a_wrong_override(override, message):
+    with pytest.raises(ConfigError, match=message):
+        load_study("paper", [override])
+
+
+def test_a_study_cannot_be_changed():
+    with pytest.raises(ValueError, match="frozen"):
+        PAPER.flow.gap = 1.0
+
+
+@pytest.mark.parametrize("item", EVERY, ids=lambda item: item.key)
+def test_every_parameter_is_fully_declared(item):
+    assert item.doc.endswith(".")
+    assert item.key in flatten(PAPER)
+    if item.unit:
+        assert item.example, "an error message could not say how to write it"
+
+
+def test_defaults_are_a_study_with_every_key():
+    tables = tomllib.loads(defaults_toml())
+    written = {f"{section}.{key}" for section, table in tables.items() for key in table}
+    optional = {item.key for item in EVERY if item.written is None}
+    assert written | optional == {item.key for item in EVERY}
+    assert resolve(tables) == PAPER
+
+
+@given(
+    gap=st.floats(1e-9, 1e3),
+    angles=st.lists(st.floats(-10, 10), min_size=1, max_size=40),
+    contact=st.none() | st.floats(-1, 1),
+)
+def test_the_resolved_study_is_read_back_to_the_last_bit(gap, angles, contact):
+    numerics = {} if contact is None else {"contact_guess": contact}
+    config = resolve(
+        {"flow": {"gap": gap}, "fiber": {"initial_angles": angles}, "numerics": numerics}
+    )
+    text = resolved_toml(config, "any\ntext")
+    assert resolve(tomllib.loads(text)) == config
+
+
+@given(st.text(st.characters(blacklist_categories=["Cs", "Cc"]) | st.sampled_from('\n\t\r"\\')))
+def test_any_text_is_read_back(text):
+    assert tomllib.loads(f"a = {toml_value(text)}")["a"] == text
+
+
+def test_a_bound_has_a_known_name():
+    with pytest.raises(TypeError, match="no bound"):
+        quantity("1 m", "m", "A length.", above=0)

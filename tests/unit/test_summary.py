@@ -1,0 +1,92 @@
+import json
+import math
+
+import numpy as np
+import pytest
+
+from fibermelt.study.summary import in_words, summarize
+from fibermelt.study.variables import labelled
+
+COST = {"flow": 10.0, "streamlines": 2.0, "cell": 0.5, "motion": 1.0}
+
+
+def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
+    """One streamline, three fibers: numbers that are easily followed through."""
+    # (streamline, initial_angle, location, kind)
+    extreme = np.array([-1.0, -2.0, -6.0])[None, :, None, None] * np.array([[1, -1], [2, -2]])
+    flow = ("bead_height", "inlet_pressure", "contact_point", "heel", "mass_imbalance")
+    return labelled(
+        {
+            **dict.fromkeys(flow, 1e-3),
+            "kinematic_residual": 1e-9,
+            **dict.fromkeys(("newton_steps", "unknowns", "elements"), 7),
+            "streamline": [1],
+            "time": [[0.0, 0.7]],
+            "stream_function_drift": [1e-6],
+            "near_singularity": np.array([1], dtype=np.int8),
+            **dict.fromkeys(("aspect_ratio", "domain_size", "shape_factor", "tip_pressure"), 2.0),
+            "stall_angle": stall_angle,
+            "shape_factor_error": 1e-7,
+            "tip_pressure_error": 1e-5,
+            "cell_unknowns": 9,
+            "location": [1, 2],
+            "kind": ["min", "max"],
+            "zone": [1, 2, 3],
+            "quantile": [0.05, 0.5, 0.95],
+            "extreme": extreme,
+            "extreme_x": np.broadcast_to(
+                np.array([1.0, 2.0, 3.0])[None, :, None, None], extreme.shape
+            ),
+            "extreme_y": np.ones(extreme.shape),
+            "extreme_bounds": np.zeros((1, 2, 2, 2)),
+            "extreme_quantiles": np.zeros((1, 2, 2, 3)),
+            "zone_angle": np.array(zone_angle)[None, :, None] * np.ones((1, 3, 3)),
+        }
+    )
+
+
+def test_statistics_run_over_the_initial_angles():
+    summary = summarize(results(), COST)
+    below = next(e for e in summary["extremes"] if (e["location"], e["kind"]) == (2, "min"))
+    assert (below["mean"], below["median"]) == (-6.0, -4.0)
+    assert (below["lowest"], below["highest"]) == (-12.0, -2.0)
+    assert (below["x"], below["y"]) == (2.0, 1.0)
+
+
+def test_the_cost_of_streamlines_counts_as_flow():
+    assert summarize(results(), COST)["cost"] == {"flow": 12.0, "cell": 0.5, "motion": 1.0}
+
+
+def test_the_summary_is_json():
+    summary = summarize(results(), COST)
+    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
+    assert summary["streamlines"][0]["near_singularity"] is True
+
+
+def test_a_fiber_that_tumbles_has_no_stall_angle():
+    summary = summarize(results(stall_angle=math.nan), COST)
+    assert summary["cell"]["stall_angle"] is None
+
+
+def test_orientation_of_angles_that_agree():
+    found = summarize(results(), COST)["orientation"][0]
+    assert found["mean"] == pytest.approx(0.2, abs=1e-15)
+    assert found["lowest"] == pytest.approx(0.1, abs=1e-15)
+    assert found["highest"] == pytest.approx(0.3, abs=1e-15)
+
+
+def test_a_fiber_has_no_head():
+    """Fibers that lie across the stream, at 85, 90 and -85 degrees, are ten degrees apart."""
+    across = [math.radians(angle) for angle in (85, 90, -85)]
+    found = summarize(results(zone_angle=across), COST)["orientation"][0]
+    assert math.degrees(found["highest"] - found["lowest"]) == pytest.approx(10, abs=1e-9)
+    assert abs(math.degrees(found["mean"])) == pytest.approx(90, abs=1e-9)
+
+
+def test_in_words_says_where_to_look(tmp_path):
+    summary = summarize(results(), COST)
+    summary["cost"] |= {"figures": 0.0, "total": 20.0}
+    text = in_words(summary, tmp_path)
+    assert str(tmp_path) in text
+    assert "bead height     1.000 mm" in text
+    assert "stalls at 7.39 deg" in text
