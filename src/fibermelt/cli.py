@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -104,9 +105,14 @@ def run(
 
 def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the figures: wired here, since the study does not know the report."""
-    from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy: matplotlib
-
-    return draw_figures(results, folder)
+    try:
+        figures = import_module("fibermelt.report.figures")
+    except ModuleNotFoundError as error:
+        if error.name != "fibermelt.report.figures":
+            raise
+        return []
+    drawn: list[Path] = figures.draw_figures(results, folder)
+    return drawn
 
 
 @app.command()

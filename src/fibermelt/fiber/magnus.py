@@ -32,6 +32,12 @@ MOST_HALVINGS = 16
 ROUNDING = 1e-14
 """Two maps of stretch ``e^s`` differ by rounding of about ``1e-16 e^2s`` at any sub-step."""
 
+LARGEST_EXPONENT = 600.0
+"""Bound of the logarithm of a stretch squared, so that comparing two maps cannot overflow."""
+
+BLOCK = 1 << 20
+"""Sub-steps taken at a time: tens of megabytes."""
+
 GAUSS = 0.5 / np.sqrt(3.0)
 """Distance of the two Gauss points from the middle, over the step."""
 
@@ -123,10 +129,10 @@ def interval_propagators(
     bound = tolerance / shape[-1]
     for halvings in range(int(np.min(level)), MOST_HALVINGS + 1):
         here = np.flatnonzero(waiting & (level <= halvings))
-        maps = _steps(gradient, np.unravel_index(here, shape), 1 << halvings)
+        maps = _in_blocks(gradient, here, shape, 1 << halvings)
         change = _difference(maps, _take(latest, here))
         change[level[here] == halvings] = np.inf  # nothing coarser to compare with yet
-        done = change <= bound + ROUNDING * np.exp(2.0 * maps.scale)
+        done = change <= bound + ROUNDING * _stretch(2.0 * maps.scale)
         _put(result, here[done], _take(maps, done))
         _put(latest, here, maps)
         waiting[here[done]] = False
@@ -138,6 +144,22 @@ def interval_propagators(
         result.matrix.reshape(*shape, 2, 2), result.scale.reshape(shape), result.turn.reshape(shape)
     )
     return whole, 1 << halvings
+
+
+def _in_blocks(
+    gradient: PathInterpolant, here: Index, shape: tuple[int, ...], count: int
+) -> Propagator:
+    """Return the maps over the intervals ``here``, some at a time to bound the memory."""
+    maps = _empty(here.size)
+    block = max(1, BLOCK // count)
+    for start in range(0, here.size, block):
+        part = slice(start, min(start + block, here.size))
+        _put(
+            maps,
+            np.arange(part.start, part.stop),
+            _steps(gradient, np.unravel_index(here[part], shape), count),
+        )
+    return maps
 
 
 def _refuse(path: Path, where: tuple[np.intp, ...]) -> None:
@@ -197,13 +219,17 @@ def _difference(fine: Propagator, coarse: Propagator) -> Array:
     ``|coarse fine^-1 - I|`` in Frobenius' norm, with the adjugate as the inverse.
     """
     f, c = fine.matrix, coarse.matrix
-    lift = np.exp(fine.scale + coarse.scale)
+    lift = _stretch(fine.scale + coarse.scale)
     e11 = lift * (c[:, 0, 0] * f[:, 1, 1] - c[:, 0, 1] * f[:, 1, 0]) - 1.0
     e12 = lift * (c[:, 0, 1] * f[:, 0, 0] - c[:, 0, 0] * f[:, 0, 1])
     e21 = lift * (c[:, 1, 0] * f[:, 1, 1] - c[:, 1, 1] * f[:, 1, 0])
     e22 = lift * (c[:, 1, 1] * f[:, 0, 0] - c[:, 1, 0] * f[:, 0, 1]) - 1.0
     size: Array = np.sqrt(e11**2 + e12**2 + e21**2 + e22**2)
     return size
+
+
+def _stretch(exponent: Array) -> Array:
+    return np.asarray(np.exp(np.minimum(exponent, LARGEST_EXPONENT)))
 
 
 def _take(maps: Propagator, index: NDArray[np.generic]) -> Propagator:

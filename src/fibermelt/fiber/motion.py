@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.magnus import interval_propagators
 from fibermelt.fiber.paths import Path, strain_polar, stream_angle
 from fibermelt.fiber.propagator import Propagator, cumulate
@@ -22,7 +23,6 @@ __all__ = [
     "Motion",
     "angle_to_stream",
     "angle_to_stream_at",
-    "fold_angle",
     "follow",
     "isotropic_angles",
     "paper_angles",
@@ -132,12 +132,6 @@ def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
     local = np.sin(double[..., None, :] - 2.0 * angle)
     spin: Array = melt[..., None, :] + shape_factor * size[..., None, :] * local
     return spin
-
-
-def fold_angle(angle: Array) -> Array:
-    """Return angles in (-pi/2, pi/2] [rad]: a fiber has no preferred end."""
-    folded: Array = angle - np.pi * np.ceil(angle / np.pi - 0.5)
-    return folded
 
 
 def angle_to_stream(path: Path, motion: Motion) -> Array:

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.support import SupportFunction, TrigonometricCurve
+from fibermelt.fiber.curve import TrigonometricCurve
+from fibermelt.fiber.support import SupportFunction
 
 __all__ = ["FiberResponse"]
 
@@ -119,7 +120,7 @@ class FiberResponse:
         fiber tumbles, half a turn if it stalls) it is half the largest ``h``. An unbounded ellipse
         has ``1 + r_e`` (notes on Eq. 25).
         """
-        return 0.5 * self.support.largest
+        return 0.5 * self.curve.farthest
 
     @property
     def stall_angle(self) -> float | None:

@@ -13,9 +13,9 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConvergenceError, MeshError
+from fibermelt.errors import ConvergenceError
 from fibermelt.flow.field import FlowField
-from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow
+from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.recover import field_of
@@ -30,7 +30,7 @@ COARSE = FlowNumerics(
 )
 """The mesh that finds the surfaces: 500 triangles, 0.1 s a step."""
 
-MAX_COARSE_MESHES = 12
+MAX_COARSE_MESHES = 30
 """Gaps from 0.85 to 2 bead heights need 2 to 4; none that needed more than 8 converged."""
 
 STEPS_A_COARSE_MESH = 4
@@ -44,6 +44,15 @@ MAX_STEPS = 12
 
 MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
+
+FIRST_RATE, LAST_RATE = 1.0, 0.2
+"""Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
+
+OUTLET_MARGIN = 0.5
+"""A contact point this near to the outlet [widths] leaves no bead to solve for."""
+
+HOPELESS_CLIMB = 0.5
+"""A surface this many widths above the lip has never come back."""
 
 CLIMB = 1e-3
 """A surface this many widths above the lip wets the nozzle's outer face, which is not in here."""
@@ -126,14 +135,14 @@ def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
 
 
 def _first_surfaces(problem: Deposition, nozzle: Nozzle, guess: float | None) -> Surfaces:
-    """Return a straight upstream surface to the first contact guess, and a smooth top."""
+    """Return an upstream surface that bends onto the bed at the contact guess, and a smooth top."""
     width = problem.nozzle.capillary_width
     height = problem.mass_balance_height / width
     # the guess must lie downstream of the answer: a wide gap carries the contact with it
     contact = max(0.0, 2 * (nozzle.gap - height)) if guess is None else guess / width
     contact = min(contact, 0.8 * nozzle.outlet)
     part = np.linspace(0.0, 1.0, 41)[:, None]
-    upstream = np.array([-0.5, nozzle.gap]) * (1 - part) + np.array([contact, 0.0]) * part
+    upstream = np.hstack([-0.5 + (contact + 0.5) * part, nozzle.gap * (1 - part) ** 2])
     x = np.linspace(0.5, nozzle.outlet, 201)
     top = height + (nozzle.gap - height) * np.exp(-2 * (x - 0.5) / height)
     return Surfaces(upstream, np.column_stack([x, top]))
@@ -168,16 +177,17 @@ class _Search:
         boundaries = _boundaries(self.problem, self.nozzle)
         return FreeSurfaceFlow(mesh, boundaries, numerics.order)
 
-    def step(self, flow: FreeSurfaceFlow) -> tuple[float, bool]:
-        """Take one Newton step; return its size and whether it was taken whole."""
-        step = flow.step()
+    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0) -> Step:
+        """Take one step on the mesh, and tell."""
+        step = flow.step(rate)
         self.newton_steps += 1
+        kind = "Newton step" if rate == 0 else f"time step of {1 / rate:.2g} W/V"
+        cut = "" if step.fraction == 1.0 else f", {step.fraction:.0%} taken"
         self.progress(
-            f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), "
-            f"Newton step {self.newton_steps}: surface moves {step.size:.1e} widths"
-            + ("" if step.fraction == 1.0 else f", {step.fraction:.0%} taken")
+            f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), {kind} "
+            f"{self.newton_steps}: surface moves {step.size:.1e} widths{cut}"
         )
-        return step.size, step.fraction == 1.0
+        return step
 
     def surfaces(self, flow: FreeSurfaceFlow) -> Surfaces:
         """Return the free surfaces as they lie now."""
@@ -188,19 +198,27 @@ class _Search:
         )
 
     def find_surfaces(self, surfaces: Surfaces, numerics: FlowNumerics) -> Surfaces:
-        """Return the surfaces on coarse meshes, made anew until they no longer move."""
+        """Return the surfaces on coarse meshes, made anew until they no longer move.
+
+        Newton's steps first; where one points nowhere, steps of implicit time take over, shorter
+        while they must be cut and longer while they need not, until they are Newton's again.
+        """
+        rate = 0.0
         for _ in range(MAX_COARSE_MESHES):
-            try:
-                flow = self.start(surfaces, numerics)
-            except MeshError as reason:
-                raise self._no_steady_surface(surfaces) from reason
+            flow = self.start(surfaces, numerics)
             for _ in range(STEPS_A_COARSE_MESH):
-                size, whole = self.step(flow)
-                if size < SETTLED:
+                step = self.step(flow, rate)
+                if step.fraction < 1.0:
+                    rate = max(2.0 * rate, FIRST_RATE)
                     break
+                if step.size < SETTLED and rate == 0.0:
+                    return self.surfaces(flow)
+                rate = 0.0 if rate < LAST_RATE else rate / 2.0
             surfaces = self.surfaces(flow)
-            if size < SETTLED and whole:
-                return surfaces
+            if surfaces.upstream[-1, 0] > self.nozzle.outlet - OUTLET_MARGIN:
+                raise self._outlet_too_near()
+            if surfaces.upstream[:, 1].max() > self.nozzle.gap + HOPELESS_CLIMB:
+                break
         raise self._no_steady_surface(surfaces)
 
     def converge(
@@ -209,18 +227,27 @@ class _Search:
         """Return the flow on a fine mesh, converged to the tolerance, and its surfaces."""
         flow = self.start(surfaces, numerics)
         for _ in range(MAX_STEPS):
-            size, whole = self.step(flow)
-            if size < numerics.tolerance and whole:
+            step = self.step(flow)
+            if step.size < numerics.tolerance and step.fraction == 1.0:
                 return flow, self.surfaces(flow)
         x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
         msg = (
-            f"deposition flow: the surface still moves {size:.1e} capillary widths after "
+            f"deposition flow: the surface still moves {step.size:.1e} capillary widths after "
             f"{MAX_STEPS} Newton steps on a mesh of {flow.mesh.ne} triangles (bound "
             f"numerics.flow_tolerance = {numerics.tolerance:g}); contact at x = {x[-1]:.4g} m, "
             f"heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
             "numerics.contact_edge and numerics.lip_edge"
         )
         raise ConvergenceError(msg)
+
+    def _outlet_too_near(self) -> ConvergenceError:
+        nozzle, height = self.problem.nozzle, self.problem.mass_balance_height
+        return ConvergenceError(
+            "deposition flow: the contact point ran into the outlet at flow.outlet = "
+            f"{nozzle.outlet:g} m: with flow.gap = {nozzle.gap:g} m and a bead {height:.4g} m high "
+            "the melt falls rather than being laid down; lower flow.gap below two bead heights "
+            f"({2 * height:.4g} m), or raise flow.outlet"
+        )
 
     def _no_steady_surface(self, surfaces: Surfaces) -> ConvergenceError:
         width = self.problem.nozzle.capillary_width

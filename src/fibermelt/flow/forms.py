@@ -40,7 +40,7 @@ STRING_STIFFNESS = 100.0
 """Stiffness along a free surface [pseudo-solid's modulus times length]. It spaces the nodes;
 the solution does not depend on it (10 and 1000 agree to 1e-5), but without it they collapse."""
 
-GRAD_DIV = 10.0
+GRAD_DIV = 1.0
 """Weight of the grad-div term [viscosities]: consistent (the flow has no divergence), it keeps the
 discrete velocity solenoidal enough for streamlines to stay on their stream function."""
 
@@ -105,11 +105,14 @@ def residual_form(unknowns: Unknowns, elements: Elements, free: str) -> list[For
     ]
 
 
-def jacobian_form(unknowns: Unknowns, elements: Elements, free: str) -> list[Form]:
+def jacobian_form(
+    unknowns: Unknowns, elements: Elements, free: str, rate: ng.Parameter
+) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
     The moving mesh deforms as an elastic solid of modulus ``1/h``; ``lam`` is the normal force
-    that makes its surface go where the kinematics wants it.
+    that makes its surface go where the kinematics wants it. With a ``rate`` above zero the step is
+    one of implicit time, ``d.n rate = u.n``, the surface moving with the melt; at zero, Newton's.
     """
     u, _, d, lam = unknowns.trial
     v, q, e, m = unknowns.test
@@ -132,6 +135,6 @@ def jacobian_form(unknowns: Unknowns, elements: Elements, free: str) -> list[For
     return [
         *stokes_form(unknowns, elements),
         *elements.over(shape + solid, moving=True),
-        (m * (normal * u.Trace()) + m * turned) * on_surface,
+        m * (normal * u.Trace() + turned - rate * (normal * d.Trace())) * on_surface,
         (lam * (normal * e.Trace()) + string) * on_surface,
     ]

@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from fibermelt.errors import ConvergenceError, MeshError
 from fibermelt.flow.forms import Elements, Unknowns, jacobian_form, residual_form, stokes_form
+from fibermelt.flow.lagrange import LagrangeTriangle
 
 __all__ = ["Boundaries", "FreeSurfaceFlow", "Step"]
 
@@ -27,8 +28,8 @@ Array = NDArray[np.float64]
 SMALLEST_JACOBIAN = 0.15
 """A step may not shrink any element's area to less than this part of what it was when meshed."""
 
-SMALLEST_FRACTION = 1e-3
-"""Shorter Newton steps than this change nothing: the mesh is at its end, make a new one."""
+SMALLEST_FRACTION = 0.3
+"""A step that would have to be cut to less is not taken: it points nowhere."""
 
 LARGEST_RESIDUAL = 1e-8
 """Largest relative residual of a linear solve; above it the factorisation has lost the answer."""
@@ -184,7 +185,8 @@ class FreeSurfaceFlow:
         for term in stokes_form(unknowns, elements):
             self._stokes += term
         self._jacobian = ng.BilinearForm(self._space)
-        for term in jacobian_form(unknowns, elements, self.boundaries.free):
+        self._rate = ng.Parameter(0.0)
+        for term in jacobian_form(unknowns, elements, self.boundaries.free, self._rate):
             self._jacobian += term
         self._residual = ng.LinearForm(self._space)
         for term in residual_form(unknowns, elements, self.boundaries.free):
@@ -216,12 +218,21 @@ class FreeSurfaceFlow:
         return correction
 
     def _smallest_jacobian(self, displacement: ng.GridFunction) -> float:
-        """Return the smallest area ratio of ``displacement``, over all quadrature points."""
-        points = self.mesh.MapToAllElements(ng.IntegrationRule(ng.TRIG, 4), ng.VOL)
+        """Return the smallest area ratio of ``displacement``, on a lattice that has the edges."""
+        lattice = LagrangeTriangle(2 * self.order).nodes
+        rule = ng.IntegrationRule([tuple(map(float, r)) for r in lattice], [0.0] * len(lattice))
+        points = self.mesh.MapToAllElements(rule, ng.VOL)
         return float(ng.Det(ng.Id(2) + ng.Grad(displacement))(points).min())
 
-    def step(self) -> Step:
-        """Take one Newton step of flow and mesh together, shortened so that no element tangles."""
+    def step(self, rate: float = 0.0) -> Step:
+        """Take one step of flow and mesh together, shortened so that no element tangles.
+
+        Parameters
+        ----------
+        rate : float
+            0 for Newton's step; above that one of implicit time of length ``1 / rate``.
+        """
+        self._rate.Set(rate)
         correction = self._solve(self._jacobian, self._coupled)
         moves = slice(self._ranges[2].start, self._ranges[2].stop)
         move = correction.FV().NumPy()[moves]
@@ -233,9 +244,15 @@ class FreeSurfaceFlow:
         while True:
             trial[:] = present - fraction * move
             jacobian = self._smallest_jacobian(self._trial_displacement)
-            if jacobian > SMALLEST_JACOBIAN or fraction < SMALLEST_FRACTION:
+            if jacobian > SMALLEST_JACOBIAN:
                 break
             fraction *= 0.7
+            if fraction < SMALLEST_FRACTION:
+                fraction = 0.0
+                break
+        if fraction == 0.0:
+            self.mesh.SetDeformation(self.displacement)
+            return Step(size, fraction, jacobian)
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)

@@ -22,6 +22,13 @@ Array = NDArray[np.float64]
 NOZZLE_COARSENING = 2.0
 """Edges in the nozzle against those in the bead: its flow is smooth but for the two corners."""
 
+GIVE_UP = 20
+"""Rounds after which the mesher gives a front up; with its own 200 a bad outline never ends."""
+
+SHRINKAGES = (1.0, 0.9, 0.8, 0.65)
+"""Edges are tried this many times as long: on one outline in twenty the mesher's front does not
+close for the first choice, for no reason that shows, and does for the next."""
+
 LARGEST_OVERSHOOT = 3.0
 """A mesh edge at a lip longer than this times what was asked for is not what was asked for."""
 
@@ -85,6 +92,27 @@ def deposition_mesh(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) 
     MeshError
         If the outline cannot be meshed, or the edges at the lips are not as short as asked for.
     """
+    for shrinkage in SHRINKAGES:
+        try:
+            mesh = ng.Mesh(
+                _outline(nozzle, surfaces, numerics.coarsened(shrinkage)).GenerateMesh(
+                    maxh=NOZZLE_COARSENING * numerics.bulk_edge, grading=0.3, giveuptol2d=GIVE_UP
+                )
+            )
+        except NgException:
+            continue
+        _check_lip_edges(mesh, nozzle.gap, numerics.lip_edge)
+        return mesh
+    up = surfaces.upstream
+    msg = (
+        "the free surfaces found so far cannot be meshed (they cross or fold): "
+        f"contact at {up[-1, 0]:.3f}, heel at {up[:, 0].min():.3f} capillary widths"
+    )
+    raise MeshError(msg)
+
+
+def _outline(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) -> SplineGeometry:
+    """Return the geometry: two regions, named boundaries, points where edges must end."""
     outline = _Outline(numerics.bulk_edge)
     grade = (numerics.surface_edge, numerics.growth, numerics.lip_edge)
     up = resample(surfaces.upstream, *grade, numerics.contact_edge)
@@ -120,18 +148,7 @@ def deposition_mesh(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) 
     outline.path([left_lip, right_lip], "exit", left=1, right=2)
     outline.geometry.SetMaterial(1, "nozzle")
     outline.geometry.SetMaterial(2, "bead")
-    try:
-        mesh = ng.Mesh(
-            outline.geometry.GenerateMesh(maxh=NOZZLE_COARSENING * numerics.bulk_edge, grading=0.3)
-        )
-    except NgException as reason:
-        msg = (
-            "the free surfaces found so far cannot be meshed (they cross or fold): "
-            f"contact at {up[-1, 0]:.3f}, heel at {up[:, 0].min():.3f} capillary widths"
-        )
-        raise MeshError(msg) from reason
-    _check_lip_edges(mesh, nozzle.gap, numerics.lip_edge)
-    return mesh
+    return outline.geometry
 
 
 def _check_lip_edges(mesh: ng.Mesh, gap: float, asked: float) -> None:

@@ -165,7 +165,7 @@ class Numerics(Section):
         0.3, "", "How fast edges grow away from lips and contact, per distance.", ge=0.05, le=1
     )
     flow_tolerance: float = quantity(
-        1e-9,
+        1e-7,
         "",
         "Newton stops when no mesh node moves further than this over the capillary's width.",
         ge=1e-12,

@@ -99,7 +99,7 @@ def _response(fiber: Ellipse, mesh: CurvedMesh, modes: Modes, fields: Fields) ->
 
 def _compare(coarse: FiberResponse, fine: FiberResponse) -> CellError:
     """Return the differences of two solutions, scaled as `CellError` says."""
-    largest = fine.support.largest
+    largest = fine.curve.farthest
     return CellError(
         shape_factor=abs(coarse.shape_factor - fine.shape_factor),
         tip_pressure=abs(coarse.tip_pressure / fine.tip_pressure - 1.0),

@@ -1,0 +1,198 @@
+"""The streamlines, with zones and the places of the pressure extremes (the paper's Fig. 2b)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from fibermelt.report.lines import ZONES, at_time, features, rest
+from fibermelt.report.scene import (
+    MM,
+    Scene,
+    Window,
+    draw_bed,
+    draw_bed_motion,
+    draw_metal,
+    draw_outline,
+    frame,
+    free_room,
+    main_scene,
+    mark_window,
+    read_scene,
+    scale_bar,
+    scene_axes,
+)
+from fibermelt.report.style import (
+    GREY,
+    INK,
+    ORANGE,
+    PINK,
+    Words,
+    add_axes,
+    letter,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["draw_zones", "figure_streamlines", "streamlines_words"]
+
+PLACES = (("o", PINK), ("^", ORANGE))
+"""Mark and colour of the places of Loc. 1 and Loc. 2."""
+
+ZONE_DASHES = (0, (2.5, 1.5))
+
+
+@styled
+def figure_streamlines(results: xr.Dataset) -> Figure:
+    """Draw all streamlines in the nozzle's outline, and the gap once more, larger."""
+    scene = read_scene(results)
+    figure, axes = main_scene(scene)
+    _paint(axes, scene, scene.whole, results)
+    draw_bed_motion(axes, results, scene)
+    _numbers(axes, results)
+    mark_window(axes, scene.exit)
+
+    room = free_room(axes, scene)
+    gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
+    _paint(gap, scene, scene.exit, results)
+    frame(gap)
+    letter(gap, "gap and bead (dashed frame)")
+    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    _places(axes, results)
+    _places(gap, results)
+    free = room.height - room.fit(scene.exit) - 6.0
+    key = add_axes(figure, room.left, room.top - free, room.width, free)
+    key.set_axis_off()
+    key.legend(handles=_key(results), loc="upper left", labelspacing=0.55)
+    return figure
+
+
+def _key(results: xr.Dataset) -> list[Line2D]:
+    """Return what the colours, marks and dashes mean."""
+    lines = [
+        Line2D([], [], color=feature.color, linewidth=1.6, label=f"streamline {feature.number}")
+        for feature in features(results)
+    ]
+    lines += [Line2D([], [], color=GREY, linewidth=0.6, label="other streamlines, of equal flux")]
+    zones = ", ".join(f"{k + 1} {name}" for k, name in enumerate(ZONES))
+    lines += [Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=zones)]
+    where = ("above the middle of the capillary", "below it")
+    return lines + [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=mark,
+            color=color,
+            markersize=4,
+            label=f"Loc. {k + 1}: lowest surface pressure of a fiber {where[k]}",
+        )
+        for k, (mark, color) in enumerate(PLACES)
+    ]
+
+
+def _paint(axes: Axes, scene: Scene, window: Window, results: xr.Dataset) -> None:
+    draw_metal(axes, scene)
+    draw_bed(axes, window)
+    draw_outline(axes, scene, fill=True)
+    x, y = MM * results["x"].to_numpy(), MM * results["y"].to_numpy()
+    for row in rest(results):
+        axes.plot(x[row], y[row], color=GREY, linewidth=0.5, zorder=1.5)
+    for feature in features(results):
+        axes.plot(x[feature.row], y[feature.row], color=feature.color, linewidth=1.6, zorder=1.8)
+    draw_zones(axes, results)
+
+
+def draw_zones(axes: Axes, results: xr.Dataset) -> None:
+    """Draw a dashed line through the points where the streamlines reach each zone, numbered."""
+    when = results["zone_time"].to_numpy()
+    rows = range(results.sizes["streamline"])
+    for zone in range(len(ZONES)):
+        x, y = (
+            MM * np.array([at_time(results, name, row, when[row, zone]) for row in rows])
+            for name in "xy"
+        )
+        axes.plot(x, y, color=INK, linewidth=0.9, linestyle=ZONE_DASHES, zorder=4)
+        end = int(np.argmax(y)) if zone == 2 else -1
+        axes.annotate(
+            str(zone + 1),
+            (x[end], y[end]),
+            xytext=(5, 5) if zone == 2 else (9, 0),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=6.5,
+            color="white",
+            fontweight="bold",
+            zorder=7,
+            annotation_clip=True,
+            bbox={"boxstyle": "circle,pad=0.18", "facecolor": INK, "edgecolor": "none"},
+        )
+
+
+def _places(axes: Axes, results: xr.Dataset) -> None:
+    """Mark where each fiber meets its lowest pressure, at Loc. 1 and Loc. 2."""
+    x, y = (MM * results[f"extreme_{name}"].sel(kind="min").to_numpy() for name in "xy")
+    for k, (mark, color) in enumerate(PLACES):
+        axes.plot(
+            x[..., k].ravel(),
+            y[..., k].ravel(),
+            linestyle="none",
+            marker=mark,
+            markersize=2.6,
+            markerfacecolor=color,
+            markeredgecolor="white",
+            markeredgewidth=0.25,
+            zorder=3.5,
+        )
+
+
+def _numbers(axes: Axes, results: xr.Dataset) -> None:
+    """Number the marked streamlines, the first and the last over the inlet."""
+    numbers = results["streamline"].to_numpy()
+    x, y = MM * results["x"].to_numpy()[:, 0], MM * results["y"].to_numpy()[:, 0]
+    chosen = {feature.row: feature.color for feature in features(results)}
+    chosen |= {row: GREY for row in (0, len(numbers) - 1) if row not in chosen}
+    for row, color in chosen.items():
+        axes.annotate(
+            str(numbers[row]),
+            (x[row], y[row]),
+            xytext=(0, 2.5),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            color=color,
+            fontweight="bold",
+        )
+
+
+def streamlines_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_streamlines`."""
+    count = results.sizes["streamline"]
+    marked = ", ".join(str(feature.number) for feature in features(results))
+    end = results["time"].to_numpy()[:, -1]
+    zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
+    near = results["streamline"].to_numpy()[results["near_singularity"].to_numpy() > 0]
+    flagged = ", ".join(str(number) for number in near) or "none"
+    return Words(
+        caption=(
+            f"{count} streamlines, each with the same share of the flux, numbered from the left "
+            f"edge; {marked} are marked, in the same colours in every figure. Dashed: zones "
+            f"({zones}). Points: where the fibers of all initial angles meet their lowest surface "
+            "pressure against the melt around them, above the middle of the capillary (Loc. 1) "
+            "and below it (Loc. 2). Near a singular corner, and so dependent on the mesh: "
+            f"streamlines {flagged}."
+        ),
+        alt=(
+            "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
+            "with the bed; those from the left edge come to lie at the bottom of the bead, those "
+            f"from the right at its top. The melt takes {end.min():.2f} s on the fastest line and "
+            f"{end.max():.2f} s on the slowest."
+        ),
+    )

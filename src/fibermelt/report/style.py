@@ -1,0 +1,247 @@
+"""How figures look: sizes, type, colours, and the same bytes from the same store.
+
+Sizes are millimetres on paper, so that the type is as large as it says: a `COLUMN` wide figure
+stands in one column of a page, a `FULL` one across it. Colours are told apart by people with any
+colour vision: Okabe and Ito's set for lines (jfly.uni-koeln.de/color), maps of even lightness for
+fields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Concatenate, ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colorbar import Colorbar
+
+__all__ = [
+    "ATMOSPHERE",
+    "BAND",
+    "BLUE",
+    "COLUMN",
+    "DIVERGING",
+    "FULL",
+    "GREEN",
+    "GREY",
+    "INK",
+    "ORANGE",
+    "PALE",
+    "PINK",
+    "SEQUENTIAL",
+    "VERMILION",
+    "Array",
+    "Words",
+    "add_axes",
+    "color_bar",
+    "letter",
+    "new_figure",
+    "save",
+    "styled",
+    "symmetric",
+]
+
+Array = NDArray[np.float64]
+P = ParamSpec("P")
+
+COLUMN, FULL = 90.0, 190.0
+"""Widths of a figure [mm]: one column of a page, and across it."""
+
+INK, GREY, BAND, PALE = "#1a1a1a", "#8c8c8c", "#dedede", "#f0f3f6"
+BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"
+ORANGE, PINK = "#e69f00", "#cc79a7"
+
+SEQUENTIAL = "cividis"
+DIVERGING = "RdBu_r"
+ATMOSPHERE = "RdBu"
+"""Pressure against the air's: red where it pulls on the melt, blue where it presses."""
+
+PNG_DOTS = 180
+"""Dots per inch of PNG, and of what is painted inside SVG."""
+
+SALT = "fibermelt"
+"""Fixes the names of SVG's clip paths, which are random otherwise."""
+
+STYLE: dict[str, object] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.labelsize": 7.5,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.0,
+    "mathtext.fontset": "dejavusans",
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": "#4d4d4d",
+    "xtick.color": "#4d4d4d",
+    "ytick.color": "#4d4d4d",
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.labelpad": 2.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.minor.size": 1.5,
+    "ytick.minor.size": 1.5,
+    "xtick.major.pad": 2.0,
+    "ytick.major.pad": 2.0,
+    "lines.linewidth": 1.0,
+    "lines.solid_capstyle": "round",
+    "patch.linewidth": 0.6,
+    "hatch.linewidth": 0.4,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.labelspacing": 0.3,
+    "legend.borderpad": 0.0,
+    "legend.borderaxespad": 0.2,
+    "image.interpolation": "nearest",
+    "savefig.facecolor": "white",
+    "svg.fonttype": "path",
+    "svg.hashsalt": SALT,
+}
+"""Letters go into SVG as outlines: the same on every machine, whatever fonts it has."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """What stands under a figure, and what stands in its place for who cannot see it.
+
+    Parameters
+    ----------
+    caption : str
+        What is drawn, how to read it, and what was left out.
+    alt : str
+        What a look at it tells.
+    """
+
+    caption: str
+    alt: str
+
+
+@contextmanager
+def _style() -> Iterator[None]:
+    """Set the style on top of matplotlib's defaults, whatever the user's own settings are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)
+        yield
+
+
+def styled(
+    draw: Callable[Concatenate[xr.Dataset, P], Figure],
+) -> Callable[Concatenate[xr.Dataset, P], Figure]:
+    """Have a figure drawn in this style."""
+
+    @wraps(draw)
+    def drawn(results: xr.Dataset, *args: P.args, **kwargs: P.kwargs) -> Figure:
+        with _style():
+            return draw(results, *args, **kwargs)
+
+    return drawn
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in [mm]."""
+    return Figure(figsize=(width / 25.4, height / 25.4))
+
+
+def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Return axes at a place of the figure in [mm]."""
+    size = 25.4 * figure.get_size_inches()
+    place = (left / size[0], bottom / size[1], width / size[0], height / size[1])
+    return figure.add_axes(place)
+
+
+def letter(axes: Axes, text: str, *, inside: bool = False) -> None:
+    """Write a panel's letter and what it shows over its upper left corner, or in it."""
+    axes.annotate(
+        text,
+        (0.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(3, -3) if inside else (0, 3),
+        textcoords="offset points",
+        ha="left",
+        va="top" if inside else "bottom",
+    )
+
+
+def symmetric(values: Array, weights: Array, share: float) -> Normalize:
+    """Return a colour scale around zero that holds a share of the values, by weight.
+
+    Parameters
+    ----------
+    values, weights : (n,) arrays
+        What is to be drawn, and on how much area each value stands.
+    share : float
+        Share of the area whose values lie within the scale's ends, 0 to 1; the ends are rounded
+        up to one digit and a half.
+    """
+    size = np.abs(values)
+    order = np.argsort(size)
+    total = np.cumsum(weights[order])
+    limit = float(size[order][np.searchsorted(total, share * total[-1])])
+    end = _round_up(limit)
+    return Normalize(-end, end)
+
+
+def _round_up(value: float) -> float:
+    """Return the least of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten that is not below."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
+    return float(power * steps[np.searchsorted(steps, value / power * (1 - 1e-12))])
+
+
+def color_bar(
+    field: ScalarMappable, axes: Axes, label: str, *, extend: str = "neither", upright: bool = False
+) -> Colorbar:
+    """Draw the colour bar of a field into axes of its own."""
+    figure = axes.figure
+    bar = figure.colorbar(
+        field,
+        cax=axes,
+        orientation="vertical" if upright else "horizontal",
+        extend=extend,
+        extendfrac=0.04,
+    )
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.4)
+    return bar
+
+
+def save(figure: Figure, stem: Path, title: str, words: Words) -> list[Path]:
+    """Write a figure as SVG and PNG, with its words inside, and return the two paths.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    stem : Path
+        Path without suffix.
+    title : str
+        A few words: what a browser shows for it.
+    words : Words
+        Written into the files as their description.
+    """
+    svg, png = stem.with_suffix(".svg"), stem.with_suffix(".png")
+    told = {"Title": title, "Description": words.alt}
+    with _style():
+        figure.savefig(svg, dpi=PNG_DOTS, metadata={**told, "Date": None, "Creator": SALT})
+        figure.savefig(png, dpi=PNG_DOTS, metadata={**told, "Software": None})
+    return [svg, png]

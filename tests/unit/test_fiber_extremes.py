@@ -1,0 +1,208 @@
+"""Pressures along a path, their extremes, bounds and quantiles."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber import (
+    Ellipse,
+    PathBundle,
+    ellipse_extremes,
+    extreme_bounds,
+    extremes,
+    follow,
+    isotropic_angles,
+    isotropic_pressure,
+    jeffery_period,
+    paper_angles,
+    pressure_bounds,
+    statistics,
+    surface_pressure,
+    unbounded_ellipse,
+)
+from fibermelt.history import FlowHistory, simple_shear
+
+UNTIMED = settings(deadline=None)  # a busy machine is no failure
+FEW = settings(UNTIMED, max_examples=25)  # each builds a table or a chain of arrays
+RESPONSE = unbounded_ellipse(Ellipse(42e-6, 6.0))
+MU = 817.0
+TABLE = 1e-7  # ten times the support table's tolerance, over the largest pressure
+
+
+def wandering(seed: int, points: int = 80) -> FlowHistory:
+    """A smooth random history."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 3.0, points)
+    waves = np.sin(np.outer(t, [1.0, 2.0, 3.0]) + rng.uniform(0.0, 6.0, 3))
+    a, b, c = (waves @ rng.normal(size=3) for _ in range(3))
+    L = np.stack([np.stack([a, b], -1), np.stack([c, -a], -1)], axis=-2)
+    velocity = np.stack([np.cos(t), np.sin(t)], axis=-1)
+    position = np.stack([np.sin(t), -np.cos(t)], axis=-1)
+    return FlowHistory(t, position, velocity, L, 1e5 * np.cos(t))
+
+
+def chain(history: FlowHistory | PathBundle, start: np.ndarray, mu: float = MU):
+    motion = follow(history, RESPONSE.shape_factor, start)
+    return motion, surface_pressure(history, RESPONSE, mu, motion)
+
+
+def test_pressure_is_the_closed_form_along_a_path() -> None:
+    history = wandering(1)
+    motion, pressure = chain(history, paper_angles())
+    c, s = np.cos(motion.angle), np.sin(motion.angle)
+    D = history.strain_rate
+    along = D[:, 0, 0] * (c * c - s * s) + 2.0 * D[:, 0, 1] * c * s
+    across = D[:, 0, 1] * (c * c - s * s) - 2.0 * D[:, 0, 0] * c * s
+    low, high = ellipse_extremes(6.0, along, across)
+    scale = TABLE * MU * np.max(high)
+    assert pressure.lowest == pytest.approx(MU * low, abs=scale)
+    assert pressure.highest == pytest.approx(MU * high, abs=scale)
+    assert pressure.tip == pytest.approx(-2.0 * 7.0 * MU * along, abs=scale)
+
+
+def test_shear_the_right_way_round() -> None:
+    """u_x = y stretches along +45 degrees: there the tips are sucked, at -45 pushed."""
+    history = simple_shear(1.0, 1e-6, 2)
+    _, pressure = chain(history, np.array([0.25 * np.pi, -0.25 * np.pi]))
+    assert pressure.lowest[0, 0] == pytest.approx(-MU * 7.0, rel=1e-6)
+    assert pressure.highest[1, 0] == pytest.approx(MU * 7.0, rel=1e-6)
+    assert pressure.where_lowest[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert pressure.where_highest[1, 0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_slender_fiber_is_lowest_at_its_tip_as_it_turns_towards_alignment() -> None:
+    history = simple_shear(1.0, jeffery_period(6.0, 1.0), 4001)
+    motion, pressure = chain(history, np.array([0.5 * np.pi]))
+    at = int(np.argmin(pressure.lowest[0]))
+    folded = motion.angle[0, at] - np.pi * np.round(motion.angle[0, at] / np.pi)
+    assert 0.0 < folded < 0.5 * np.pi  # before alignment
+    assert motion.spin[0, at] < 0.0  # and turning towards it
+    assert abs(pressure.where_lowest[0, at]) < 0.05  # within b^2/a of the tip
+    # the extreme over the orbit, off by the square of the points' spacing
+    assert pressure.lowest[0].min() == pytest.approx(-7.0 * MU, rel=1e-4)
+
+
+def test_a_circle_does_not_notice_its_turning() -> None:
+    circle = unbounded_ellipse(Ellipse(1.0, 1.0))
+    history = simple_shear(1.0, jeffery_period(1.0, 1.0), 101)
+    motion = follow(history, circle.shape_factor, paper_angles())
+    pressure = surface_pressure(history, circle, MU, motion)
+    assert pressure.lowest == pytest.approx(-2.0 * MU, rel=1e-12)
+    assert pressure.highest == pytest.approx(2.0 * MU, rel=1e-12)
+
+
+@settings(FEW)
+@given(st.floats(1e-3, 1e6))
+def test_pressures_are_proportional_to_the_viscosity(mu: float) -> None:
+    history = wandering(2, 20)
+    _, one = chain(history, paper_angles(), 1.0)
+    _, other = chain(history, paper_angles(), mu)
+    assert other.lowest == pytest.approx(mu * one.lowest, rel=1e-12)
+    assert other.highest == pytest.approx(mu * one.highest, rel=1e-12)
+
+
+@settings(UNTIMED)
+@given(st.integers(0, 10_000), st.floats(-np.pi, np.pi), st.floats(0.2, 2.8))
+def test_every_fiber_lies_between_the_bounds(seed: int, start: float, middle: float) -> None:
+    history = wandering(seed)
+    motion, pressure = chain(history, np.array([start, start + 1.0]))
+    bounds = pressure_bounds(history, RESPONSE, MU)
+    room = TABLE * bounds.highest
+    assert np.all(pressure.lowest >= bounds.lowest - room)
+    assert np.all(pressure.lowest <= bounds.mildest_lowest + room)
+    assert np.all(pressure.highest <= bounds.highest + room)
+    assert np.all(pressure.highest >= bounds.mildest_highest - room)
+    found = extremes(history, pressure, motion, middle)
+    sides = extreme_bounds(history, bounds, middle)
+    assert np.all(found.value >= sides[..., 0] - room.max())
+    assert np.all(found.value <= sides[..., 1] + room.max())
+
+
+def test_some_orientation_reaches_each_bound() -> None:
+    history = simple_shear(2.0, 1e-6, 2)
+    _, pressure = chain(history, isotropic_angles(3601))
+    bounds = pressure_bounds(history, RESPONSE, MU)
+    size = bounds.highest[0]
+    # 0.05 degrees from the worst orientation
+    assert pressure.lowest[:, 0].min() == pytest.approx(bounds.lowest[0], abs=1e-5 * size)
+    assert pressure.lowest[:, 0].max() == pytest.approx(bounds.mildest_lowest[0], abs=1e-2 * size)
+    assert pressure.highest[:, 0].max() == pytest.approx(bounds.highest[0], abs=1e-5 * size)
+
+
+def test_extremes_are_where_they_say() -> None:
+    history = wandering(3)
+    motion, pressure = chain(history, paper_angles())
+    found = extremes(history, pressure, motion, 1.0)
+    assert found.value.shape == (13, 2, 2)
+    assert np.all(found.time[:, 0] < 1.0)
+    assert np.all(found.time[:, 1] >= 1.0)
+    before = history.time < 1.0
+    assert found.value[:, 0, 0] == pytest.approx(pressure.lowest[:, before].min(axis=1))
+    assert found.value[:, 1, 1] == pytest.approx(pressure.highest[:, ~before].max(axis=1))
+    assert found.x == pytest.approx(np.sin(found.time))
+    assert found.y == pytest.approx(-np.cos(found.time))
+    assert found.pressure == pytest.approx(found.value + 1e5 * np.cos(found.time))
+    fiber = np.take_along_axis(motion.angle, found.index.reshape(13, 4), axis=1).reshape(13, 2, 2)
+    stream = history.direction[found.index]
+    assert np.sin(found.angle - fiber + stream) == pytest.approx(0.0, abs=1e-12)
+    phase = np.take_along_axis(pressure.phase, found.index.reshape(13, 4), axis=1)
+    point = RESPONSE.curve.point(found.where)
+    amplitude = pressure.amplitude[found.index]
+    seen = np.cos(phase.reshape(13, 2, 2)) * point[..., 0]
+    seen += np.sin(phase.reshape(13, 2, 2)) * point[..., 1]
+    assert amplitude * seen == pytest.approx(found.value, abs=TABLE * np.abs(found.value).max())
+
+
+def test_statistics_over_the_initial_angles() -> None:
+    histories = [wandering(seed) for seed in range(3)]
+    bundle = PathBundle(histories)
+    motion, pressure = chain(bundle, paper_angles())
+    middle = np.array([1.0, 1.5, 2.0])
+    found = extremes(bundle, pressure, motion, middle)
+    assert found.value.shape == (3, 13, 2, 2)
+    numbers = statistics(found)
+    assert numbers.mean == pytest.approx(found.value.mean(axis=1))
+    assert np.all(numbers.lowest <= numbers.median)
+    assert np.all(numbers.median <= numbers.highest)
+    for k, history in enumerate(histories):
+        single_motion, single = chain(history, paper_angles())
+        alone = extremes(history, single, single_motion, float(middle[k]))
+        assert found.value[k] == pytest.approx(alone.value, rel=1e-7)
+        assert numbers.x[k] == pytest.approx(alone.x.mean(axis=0))
+
+
+def test_isotropic_quantiles() -> None:
+    bundle = PathBundle([wandering(seed, 40) for seed in range(2)])
+    middle = np.array([1.0, 2.0])
+    found = isotropic_pressure(bundle, RESPONSE, MU, middle, count=400)
+    bounds = pressure_bounds(bundle, RESPONSE, MU)
+    sides = extreme_bounds(bundle, bounds, middle)
+    assert found.lowest.shape == (2, 40, 3)
+    assert found.extremes.shape == (2, 2, 2, 3)
+    for quantiles in (found.lowest, found.highest, found.extremes):
+        assert np.all(np.diff(quantiles, axis=-1) >= 0.0)
+    assert np.all(found.lowest >= bounds.lowest[..., None] * (1.0 + TABLE))
+    assert np.all(found.highest <= bounds.highest[..., None] * (1.0 + TABLE))
+    room = TABLE * bounds.highest.max()
+    assert np.all(found.extremes >= sides[..., :1] - room)
+    assert np.all(found.extremes <= sides[..., 1:] + room)
+    # at the start the orientations are isotropic: the quantiles are those of the support function
+    phase = 2.0 * np.pi * np.arange(100_000) / 100_000
+    exact = np.quantile(RESPONSE.support(phase), [0.05, 0.5, 0.95])
+    amplitude = bounds.highest[:, :1] / RESPONSE.support.largest
+    # 400 directions: the quantile is off by at most one of them, 1/400 of the range
+    assert found.highest[:, 0] == pytest.approx(amplitude * exact, rel=0.02)
+
+
+def test_bad_input() -> None:
+    history = wandering(0)
+    motion, pressure = chain(history, paper_angles())
+    with pytest.raises(ConfigError, match="viscosity = 0"):
+        surface_pressure(history, RESPONSE, 0.0, motion)
+    for middle in (0.0, 4.0):
+        with pytest.raises(ConfigError, match="both sides"):
+            extremes(history, pressure, motion, middle)
+    with pytest.raises(ConfigError, match="quantile levels"):
+        isotropic_pressure(history, RESPONSE, MU, 1.0, levels=(0.5, 1.5))
