@@ -150,11 +150,11 @@ class FlowNumerics:
     """
 
     order: int = 3
-    lip_edge: float = 1e-3
+    lip_edge: float = 5e-4
     contact_edge: float = 1e-3
     corner_edge: float = 1e-2
     surface_edge: float = 0.07
-    bulk_edge: float = 0.15
+    bulk_edge: float = 0.1
     growth: float = 0.3
     tolerance: float = 1e-7
     contact_guess: float | None = None

@@ -156,11 +156,11 @@ class Numerics(Section):
         ge=2,
         le=6,
     )
-    lip_edge: float = _edge(1e-3, "Mesh edge at the lips")
+    lip_edge: float = _edge(5e-4, "Mesh edge at the lips")
     contact_edge: float = _edge(1e-3, "Mesh edge at the upstream contact point")
     corner_edge: float = _edge(1e-2, "Mesh edge at the capillary's entrance")
     surface_edge: float = _edge(0.07, "Largest mesh edge on a free surface")
-    bulk_edge: float = _edge(0.15, "Largest mesh edge in the bead")
+    bulk_edge: float = _edge(0.1, "Largest mesh edge in the bead")
     edge_growth: float = quantity(
         0.3, "", "How fast edges grow away from lips and contact, per distance.", ge=0.05, le=1
     )
