@@ -185,7 +185,8 @@ class _Search:
         cut = "" if step.fraction == 1.0 else f", {step.fraction:.0%} taken"
         self.progress(
             f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), {kind} "
-            f"{self.newton_steps}: surface moves {step.size:.1e} widths{cut}"
+            f"{self.newton_steps}: residual {step.residual:.1e}, surface moves {step.size:.1e} "
+            f"widths{cut}"
         )
         return step
 

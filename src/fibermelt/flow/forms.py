@@ -40,6 +40,9 @@ STRING_STIFFNESS = 100.0
 """Stiffness along a free surface [pseudo-solid's modulus times length]. It spaces the nodes;
 the solution does not depend on it (10 and 1000 agree to 1e-5), but without it they collapse."""
 
+UPWIND = 0.2
+"""Weight of the upwinding, in edges; from 0.05 to 1 the die swell changes by less than 1e-5."""
+
 GRAD_DIV = 1.0
 """Weight of the grad-div term [viscosities]: consistent (the flow has no divergence), it keeps the
 discrete velocity solenoidal enough for streamlines to stay on their stream function."""
@@ -84,6 +87,19 @@ def _viscous(velocity_gradient: Form) -> Form:
     return 2 * _sym(velocity_gradient) + GRAD_DIV * _tr(velocity_gradient) * ng.Id(2)
 
 
+def _upwind(m: Form, velocity: Form) -> Form:
+    """Return the test function of the kinematics, weighted towards where the surface comes from.
+
+    ``u.n = 0`` carries the surface along ``u`` and nothing else: tested with ``m`` alone, every
+    second node may go its own way. The added ``h d_s m`` is the derivative along the edge's own
+    parameter, so that it does not change as the mesh moves.
+    """
+    tangent = ng.specialcf.tangential(2)
+    downstream = ng.IfPos(velocity * tangent, 1.0, -1.0)
+    along = ng.grad(m).Trace() * tangent
+    return m + UPWIND * downstream * ng.specialcf.mesh_size * along
+
+
 def stokes_form(unknowns: Unknowns, elements: Elements) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
@@ -101,7 +117,9 @@ def residual_form(unknowns: Unknowns, elements: Elements, free: str) -> list[For
     normal = ng.specialcf.normal(2)
     return [
         *elements.over(melt),
-        m * (normal * unknowns.velocity) * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
+        _upwind(m, unknowns.velocity)
+        * (normal * unknowns.velocity)
+        * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
     ]
 
 
@@ -135,6 +153,8 @@ def jacobian_form(
     return [
         *stokes_form(unknowns, elements),
         *elements.over(shape + solid, moving=True),
-        m * (normal * u.Trace() + turned - rate * (normal * d.Trace())) * on_surface,
+        _upwind(m, unknowns.velocity)
+        * (normal * u.Trace() + turned - rate * (normal * d.Trace()))
+        * on_surface,
         (lam * (normal * e.Trace()) + string) * on_surface,
     ]

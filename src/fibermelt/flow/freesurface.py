@@ -69,8 +69,21 @@ class Boundaries:
 
 @dataclass(frozen=True)
 class Step:
-    """What one Newton step did: the move it wanted, the part taken, the worst element after it."""
+    """What one step met and did.
 
+    Parameters
+    ----------
+    residual : float
+        Norm of the residual it started from, in scaled units.
+    size : float
+        Largest move of a mesh node that it wanted.
+    fraction : float
+        Part of it taken; 0 if it pointed nowhere.
+    jacobian : float
+        Smallest area ratio of an element after it.
+    """
+
+    residual: float
     size: float
     fraction: float
     jacobian: float
@@ -135,7 +148,8 @@ class FreeSurfaceFlow:
         self.velocity.Set(
             mesh.BoundaryCF(values, default=ng.CF((0, 0))), definedon=mesh.Boundaries(given)
         )
-        self._state.vec.data -= self._solve(self._stokes, self._fixed_mesh)
+        correction, _ = self._solve(self._stokes, self._fixed_mesh)
+        self._state.vec.data -= correction
 
     @property
     def velocity(self) -> ng.GridFunction:
@@ -192,8 +206,8 @@ class FreeSurfaceFlow:
         for term in residual_form(unknowns, elements, self.boundaries.free):
             self._residual += term
 
-    def _solve(self, form: ng.BilinearForm, free: ng.BitArray) -> ng.BaseVector:
-        """Return the Newton correction of the present state; umfpack, its residual checked.
+    def _solve(self, form: ng.BilinearForm, free: ng.BitArray) -> tuple[ng.BaseVector, float]:
+        """Return the correction of the present state and the norm of its residual.
 
         The fronts of a planar problem are too small for a threaded BLAS: its waiting threads cost
         up to five times the work on a busy machine. Assembly does run on all cores.
@@ -215,7 +229,7 @@ class FreeSurfaceFlow:
                 "is singular to working precision; try a longer contact_edge or lip_edge"
             )
             raise ConvergenceError(msg)
-        return correction
+        return correction, size
 
     def _smallest_jacobian(self, displacement: ng.GridFunction) -> float:
         """Return the smallest area ratio of ``displacement``, on a lattice that has the edges."""
@@ -233,7 +247,7 @@ class FreeSurfaceFlow:
             0 for Newton's step; above that one of implicit time of length ``1 / rate``.
         """
         self._rate.Set(rate)
-        correction = self._solve(self._jacobian, self._coupled)
+        correction, residual = self._solve(self._jacobian, self._coupled)
         moves = slice(self._ranges[2].start, self._ranges[2].stop)
         move = correction.FV().NumPy()[moves]
         size = float(np.abs(move).max())
@@ -252,11 +266,11 @@ class FreeSurfaceFlow:
                 break
         if fraction == 0.0:
             self.mesh.SetDeformation(self.displacement)
-            return Step(size, fraction, jacobian)
+            return Step(residual, size, fraction, jacobian)
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
-        return Step(size, fraction, jacobian)
+        return Step(residual, size, fraction, jacobian)
 
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:
         """Return the boundary ``name`` as it lies now, a polyline (n, 2) that begins at ``start``.

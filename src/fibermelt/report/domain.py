@@ -102,7 +102,12 @@ def _boundaries(axes: Axes, scene: Scene, results: xr.Dataset) -> None:
         ("$\\Gamma_2$ wall,\nno slip", middle, (-19, 0), "right"),
         (r"$\Gamma_3$ free surface", far, (0, 7), "center"),
         (r"$\Gamma_3$", heel, (-13, 0), "right"),
-        (rf"$\Gamma_4$ bed, {MM * bed_speed(results):.1f} mm/s", bed.mean(axis=0), (0, -11), "center"),
+        (
+            rf"$\Gamma_4$ bed, {MM * bed_speed(results):.1f} mm/s",
+            bed.mean(axis=0),
+            (0, -11),
+            "center",
+        ),
         (r"$\Gamma_5$ outlet", outlet.mean(axis=0), (6, 0), "left"),
     )
     leader = {"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0}

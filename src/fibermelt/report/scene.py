@@ -358,9 +358,7 @@ def draw_metal(axes: Axes, scene: Scene) -> None:
 
 def draw_bed(axes: Axes, window: Window, thickness: float = 0.5) -> None:
     """Draw the bed below the melt."""
-    axes.axhspan(
-        -thickness, 0.0, facecolor="#e3ddd3", edgecolor="none", linewidth=0, zorder=0.4
-    )
+    axes.axhspan(-thickness, 0.0, facecolor="#e3ddd3", edgecolor="none", linewidth=0, zorder=0.4)
     axes.plot([window.left, window.right], [0, 0], color=METAL_EDGE, linewidth=0.6, zorder=0.6)
 
 
