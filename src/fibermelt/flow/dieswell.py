@@ -18,7 +18,7 @@ from fibermelt.errors import ConvergenceError
 from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow
 from fibermelt.flow.spacing import graded_spacing
 
-__all__ = ["DieSwell", "solve_die_swell"]
+__all__ = ["DieSwell", "solve_die_swell", "swell_problem"]
 
 CHANNEL, JET = 4.0, 8.0
 """Lengths in half-widths: the end effects decay as exp(-2.1 x) and exp(-3 x), below 1e-4 here."""
@@ -73,6 +73,22 @@ def _mesh(lip_edge: float, bulk_edge: float, growth: float) -> ng.Mesh:
     return ng.Mesh(geometry.GenerateMesh(maxh=bulk_edge, grading=0.3))
 
 
+def swell_problem(
+    lip_edge: float, bulk_edge: float = 0.35, growth: float = 0.25
+) -> tuple[ng.Mesh, Boundaries]:
+    """Return mesh and boundaries of the die swell problem, arguments as in `solve_die_swell`."""
+    boundaries = Boundaries(
+        moving="jet",
+        free="free",
+        velocity={"inlet": (1.5 * (1 - ng.y**2), 0), "wall": (0, 0)},
+        symmetry="symmetry|outlet",
+        held_x="exit|outlet|wall|inlet",
+        held_y="exit|symmetry|wall|inlet",
+        lips=np.array([[0.0, 1.0]]),
+    )
+    return _mesh(lip_edge, bulk_edge, growth), boundaries
+
+
 def solve_die_swell(
     lip_edge: float,
     order: int = 3,
@@ -105,16 +121,8 @@ def solve_die_swell(
     Swell ratio 1.186 to 1.187 (Newtonian, planar, no surface tension): Mitsoulis, Georgiou and
     Kountouriotis, Computers & Fluids 57 (2012) 195, and the sources there.
     """
-    boundaries = Boundaries(
-        moving="jet",
-        free="free",
-        velocity={"inlet": (1.5 * (1 - ng.y**2), 0), "wall": (0, 0)},
-        symmetry="symmetry|outlet",
-        held_x="exit|outlet|wall|inlet",
-        held_y="exit|symmetry|wall|inlet",
-        lips=np.array([[0.0, 1.0]]),
-    )
-    flow = FreeSurfaceFlow(_mesh(lip_edge, bulk_edge, growth), boundaries, order)
+    mesh, boundaries = swell_problem(lip_edge, bulk_edge, growth)
+    flow = FreeSurfaceFlow(mesh, boundaries, order)
     for count in range(1, MAX_STEPS + 1):
         step = flow.step()
         if step.size < tolerance and step.fraction == 1.0:

@@ -403,7 +403,7 @@ def draw_field(axes: Axes, scene: Scene, values: Array, norm: Normalize, cmap: s
         rasterized=True,
         zorder=1,
     )
-    assert isinstance(mesh, TriMesh)  # noqa: S101
+    assert isinstance(mesh, TriMesh)
     return mesh
 
 

@@ -1,0 +1,58 @@
+"""Streamlines in flows whose streamlines are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_flow_field import square_field
+
+from fibermelt.errors import ConvergenceError
+from fibermelt.flow.problem import Nozzle
+from fibermelt.flow.streamlines import inlet_seeds
+from fibermelt.flow.tracing import trace
+
+TOLERANCE = 1e-9
+
+
+def test_shear_flow_is_traced_exactly() -> None:
+    field = square_field(2)
+    seeds = np.array([[0.0, 0.25], [0.0, 0.75]])
+    for path, y in zip(trace(field, seeds, 0.9, TOLERANCE, 0.1), (0.25, 0.75), strict=True):
+        np.testing.assert_allclose(path.position[:, 1], y, atol=1e-14)
+        assert path.position[-1, 0] == pytest.approx(0.9, abs=1e-9)
+        assert path.time[-1] == pytest.approx(0.9 / (1 + y), rel=1e-9)
+
+
+def test_a_circle_is_followed_to_the_tolerance() -> None:
+    field = square_field(2)
+    x, y = field.points.T
+    circling = replace(field, velocity=np.column_stack([y + 0.2, -(x + 0.2)]))
+    seed = np.array([[0.05, 0.7]])
+    (path,) = trace(circling, seed, 0.6, TOLERANCE, 0.1)
+    radius = np.hypot(*(path.position + 0.2).T)
+    # every step may miss by the tolerance, and misses add up at worst
+    assert np.ptp(radius) < len(radius) * TOLERANCE
+    turned = np.arctan2(0.25, 0.9) - np.arctan2(*(path.position[-1] + 0.2))
+    assert path.time[-1] == pytest.approx(-turned, rel=1e-6)
+    between, time = path.at(np.linspace(0, path.arclength[-1], 77))
+    assert np.all(np.diff(time) > 0)
+    np.testing.assert_allclose(np.hypot(*(between + 0.2).T), radius[0], rtol=1e-5)
+
+
+def test_a_line_that_leaves_the_field_is_an_error() -> None:
+    field = square_field(1)
+    rising = replace(field, velocity=np.tile([0.1, 1.0], (len(field.points), 1)))
+    with pytest.raises(ConvergenceError, match="streamline 1 is stuck there or leaves the mesh"):
+        trace(rising, np.array([[0.1, 0.5]]), 0.9, TOLERANCE, 0.1)
+
+
+@pytest.mark.parametrize("count", [1, 2, 22, 101])
+def test_seeds_share_the_flux_equally(count: int) -> None:
+    nozzle = Nozzle()
+    fraction, x = inlet_seeds(nozzle, count)
+    z = x / nozzle.inlet_width + 0.5
+    np.testing.assert_allclose(3 * z**2 - 2 * z**3, fraction, atol=1e-14)
+    np.testing.assert_allclose(x, -x[::-1], atol=1e-16)
+    np.testing.assert_allclose(np.diff(fraction), 1 / count)

@@ -1,0 +1,98 @@
+"""Planar Newtonian die swell: the free surface against the literature, and its orders."""
+
+from __future__ import annotations
+
+import ngsolve as ng
+import numpy as np
+import pytest
+
+from fibermelt.flow.dieswell import solve_die_swell, swell_problem
+from fibermelt.flow.freesurface import FreeSurfaceFlow
+
+LITERATURE = 1.1867
+"""Swell ratio without surface tension; independent codes agree to 1e-4."""
+
+
+def test_swell_at_the_stated_lip_edge() -> None:
+    assert solve_die_swell(0.002).swell == pytest.approx(LITERATURE, abs=1e-3)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_swell_converges_at_first_order_of_the_lip_edge(order: int) -> None:
+    edges = [0.004, 0.002, 0.001, 0.0005]
+    swell = np.array([solve_die_swell(edge, order=order).swell for edge in edges])
+    steps = -np.diff(swell)
+    assert np.all(steps > 0)
+    # the lip's singularity (stress ~ r^-1/2) leaves order one whatever the degree
+    observed = np.log2(steps[:-1] / steps[1:])
+    assert np.all(np.abs(observed - 1.0) < 0.35), observed
+    extrapolated = 2 * swell[-1] - swell[-2]
+    assert extrapolated == pytest.approx(LITERATURE, abs=1e-4)
+
+
+def test_swell_does_not_depend_on_the_mesh_away_from_the_lip() -> None:
+    reference = solve_die_swell(0.002).swell
+    for bulk_edge in (0.2, 0.5):
+        swell = solve_die_swell(0.002, bulk_edge=bulk_edge).swell
+        assert swell == pytest.approx(reference, abs=5e-5)
+    # slower growth also refines around the lip: it may move the swell by the lip's own error
+    assert abs(solve_die_swell(0.002, growth=0.15).swell - reference) < reference - LITERATURE
+
+
+def test_newton_is_quadratic() -> None:
+    mesh, boundaries = swell_problem(0.02)
+    flow = FreeSurfaceFlow(mesh, boundaries, 3)
+    sizes = [flow.step().size for _ in range(4)]
+    # each step is the square of the last, times the problem's own constant (6 was seen);
+    # at a linear rate the last step would be 1e-7 at best
+    assert sizes[2] < 10 * sizes[1] ** 2
+    assert sizes[3] < 10 * sizes[2] ** 2
+
+
+def test_linearisation_is_exact() -> None:
+    """The Jacobian against differences of the residual, in a random direction of all unknowns."""
+    mesh, boundaries = swell_problem(0.1)
+    flow = FreeSurfaceFlow(mesh, boundaries, 3)
+    flow.step()
+    free = np.fromiter(flow._coupled, dtype=bool)
+    in_mesh = slice(flow._ranges[2].start, flow._ranges[2].stop)
+    direction = np.where(free, np.random.default_rng(0).standard_normal(len(free)), 0.0)
+    direction[in_mesh] *= 1e-3  # keep the elements whole
+    direction[flow._ranges[3].start :] = 0.0  # the multiplier is no part of the residual
+
+    start = flow._state.vec.FV().NumPy().copy()
+    placed = flow.displacement.vec.FV().NumPy().copy()
+
+    def residual(step: float) -> np.ndarray:
+        flow._state.vec.FV().NumPy()[:] = start + step * direction
+        flow.displacement.vec.FV().NumPy()[:] = placed + step * direction[in_mesh]
+        mesh.SetDeformation(flow.displacement)
+        flow._residual.Assemble()
+        return flow._residual.vec.FV().NumPy().copy()
+
+    h = 1e-4
+    difference = (residual(h) - residual(-h)) / (2 * h)
+    residual(0.0)
+    flow._jacobian.Assemble()
+    product = flow._residual.vec.CreateVector()
+    vector = flow._residual.vec.CreateVector()
+    vector.FV().NumPy()[:] = direction
+    product.data = flow._jacobian.mat * vector
+    rows = free.copy()
+    rows[in_mesh] = False  # these rows say how the mesh follows, not what must vanish
+    exact = product.FV().NumPy()
+    error = np.abs(difference - exact)[rows].max() / np.abs(exact)[rows].max()
+    assert error < 1e-7  # central differences of step 1e-4
+
+
+def test_poiseuille_flow_upstream_is_exact() -> None:
+    mesh, boundaries = swell_problem(0.05)
+    flow = FreeSurfaceFlow(mesh, boundaries, 3)
+    for _ in range(5):
+        flow.step()
+    mesh.UnsetDeformation()
+    slope = (flow.pressure(mesh(-3.5, 0.3)) - flow.pressure(mesh(-2.5, 0.3))) / 1.0
+    assert slope == pytest.approx(3.0, rel=1e-5)  # dp/dx = -3 mu U / H^2; the lip is felt as e^-4x
+    parabola = ng.CF(1.5 * (1 - ng.y**2))
+    miss = [abs(flow.velocity(mesh(-3.0, y))[0] - parabola(mesh(-3.0, y))) for y in (0.1, 0.5, 0.9)]
+    assert max(miss) < 1e-5
