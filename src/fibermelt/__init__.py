@@ -1,1 +1,107 @@
-"""fibermelt: where a short-fiber polymer bead will void."""
+"""fibermelt: where a short-fiber polymer bead will void.
+
+Names are loaded when they are first used, so that importing the package costs next to nothing and
+only those who solve a flow or a cell load the finite elements.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fibermelt.errors import (
+        ConfigError,
+        ConvergenceError,
+        FibermeltError,
+        HistoryError,
+        MeshError,
+        StoreError,
+    )
+    from fibermelt.fiber.cell import solve_cell
+    from fibermelt.fiber.extremes import extremes, statistics
+    from fibermelt.fiber.jeffery import unbounded_ellipse
+    from fibermelt.fiber.motion import follow, isotropic_angles, paper_angles
+    from fibermelt.fiber.paths import PathBundle
+    from fibermelt.fiber.pressure import pressure_bounds, surface_pressure
+    from fibermelt.fiber.shape import Ellipse
+    from fibermelt.flow.deposition import solve_deposition
+    from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+    from fibermelt.flow.streamlines import trace_streamlines
+    from fibermelt.flow.vtu import write_vtu
+    from fibermelt.history import FlowHistory, simple_shear
+    from fibermelt.rheology.newtonian import Newtonian
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "ConfigError": "errors",
+    "ConvergenceError": "errors",
+    "FibermeltError": "errors",
+    "HistoryError": "errors",
+    "MeshError": "errors",
+    "StoreError": "errors",
+    "solve_cell": "fiber.cell",
+    "extremes": "fiber.extremes",
+    "statistics": "fiber.extremes",
+    "unbounded_ellipse": "fiber.jeffery",
+    "follow": "fiber.motion",
+    "isotropic_angles": "fiber.motion",
+    "paper_angles": "fiber.motion",
+    "PathBundle": "fiber.paths",
+    "pressure_bounds": "fiber.pressure",
+    "surface_pressure": "fiber.pressure",
+    "Ellipse": "fiber.shape",
+    "solve_deposition": "flow.deposition",
+    "Deposition": "flow.problem",
+    "FlowNumerics": "flow.problem",
+    "Nozzle": "flow.problem",
+    "trace_streamlines": "flow.streamlines",
+    "write_vtu": "flow.vtu",
+    "FlowHistory": "history",
+    "simple_shear": "history",
+    "Newtonian": "rheology.newtonian",
+}
+"""Public name to the module that has it."""
+
+__all__ = [
+    "ConfigError",
+    "ConvergenceError",
+    "Deposition",
+    "Ellipse",
+    "FibermeltError",
+    "FlowHistory",
+    "FlowNumerics",
+    "HistoryError",
+    "MeshError",
+    "Newtonian",
+    "Nozzle",
+    "PathBundle",
+    "StoreError",
+    "extremes",
+    "follow",
+    "isotropic_angles",
+    "paper_angles",
+    "pressure_bounds",
+    "simple_shear",
+    "solve_cell",
+    "solve_deposition",
+    "statistics",
+    "surface_pressure",
+    "trace_streamlines",
+    "unbounded_ellipse",
+    "write_vtu",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module."""
+    if name in _HOMES:
+        return getattr(import_module(f"fibermelt.{_HOMES[name]}"), name)
+    msg = f"module 'fibermelt' has no attribute {name!r}"
+    raise AttributeError(msg)
+
+
+def __dir__() -> list[str]:
+    """Return the public names, loaded or not."""
+    return [*__all__, "__version__"]

@@ -14,6 +14,7 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.fiber.cell.mesh import EXTRA_QUADRATURE, CurvedMesh, sample_nodes
@@ -55,6 +56,7 @@ def stokes(mesh: CurvedMesh, condense: bool, compressibility: float) -> tuple[An
     return space, form
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # waiting BLAS threads cost up to five times
 def solve_modes(mesh: CurvedMesh) -> Modes:
     """Solve the three Dirichlet problems and combine them to the torque-free modes."""
     space, form = stokes(mesh, condense=True, compressibility=COMPRESSIBILITY)

@@ -1,0 +1,75 @@
+"""The deposition flow from cold, and the die swell against its peer.
+
+Where the time of the default flow goes (33,700 unknowns, two cores, 4.5 s in all): 0.8 s finds the
+surfaces on coarse meshes, 1.2 s solves the middle mesh for the error estimate, 2.2 s the fine one
+(4 Newton steps of 0.45 s: assembly a third, factorisation a half), 0.3 s recovers gradient and
+stream function. Displacement at full order on the surfaces alone took the unknowns from twice
+those of Stokes to 1.1 times; quadrature of high order on curved elements alone took assembly from
+two thirds of a step to one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import ngsolve as ng
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+import fibermelt as fm
+from fibermelt.flow.dieswell import solve_die_swell
+
+SWELL = 1.18669
+"""Limit of the P3 sequence at first order of the lip's edge; 1.1867 in the literature."""
+
+ERROR = 3e-4
+PEER = Path(__file__).parent / "peers"
+PEER_PYTHON = Path(os.environ.get("FIBERMELT_PEER_PYTHON", PEER / ".venv" / "bin" / "python"))
+
+
+def test_deposition_flow_from_cold(benchmark: BenchmarkFixture, problem: fm.Deposition) -> None:
+    flow = benchmark.pedantic(lambda: fm.solve_deposition(problem), rounds=3, warmup_rounds=1)
+    benchmark.extra_info |= {"unknowns": flow.unknowns, "newton_steps": flow.newton_steps}
+
+
+@pytest.mark.parametrize(
+    ("order", "lip_edge", "bulk_edge"), [(2, 2.5e-4, 0.5), (3, 1e-3, 0.5)], ids=["P2", "P3"]
+)
+def test_die_swell(
+    benchmark: BenchmarkFixture, order: int, lip_edge: float, bulk_edge: float
+) -> None:
+    """To an error of 3e-4, meshing included, one thread; beside it pyoomph, solves only."""
+    threads = ng.SetNumThreads
+    threads(1)
+    result = benchmark.pedantic(
+        lambda: solve_die_swell(lip_edge, order=order, bulk_edge=bulk_edge, growth=0.4),
+        rounds=7,
+        warmup_rounds=1,
+    )
+    threads(os.cpu_count())
+    assert abs(result.swell - SWELL) < ERROR
+    benchmark.extra_info |= {"swell": result.swell, "unknowns": result.unknowns}
+    if not PEER_PYTHON.exists():
+        print(f"\nno peer: {PEER / 'README.md'} says how to install it")
+        return
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    for formulation in ("standard", "upwind"):
+        script = [PEER_PYTHON, PEER / "die_swell_pyoomph.py", "--json"]
+        command = [*map(str, script), "--formulation", formulation]
+        runs = []
+        for _ in range(3):
+            printed = subprocess.run(
+                command, env=environment, capture_output=True, text=True, check=True
+            ).stdout
+            runs.append(json.loads(printed.strip().splitlines()[-1]))
+        peer = sorted(runs, key=lambda run: run["solve_s"])[1]
+        ratio = peer["solve_s"] / benchmark.stats["median"]
+        benchmark.extra_info[f"times_faster_than_pyoomph_{formulation}"] = ratio
+        print(
+            f"\ndie swell P{order} ({result.unknowns} unknowns, {result.swell:.5f}): "
+            f"{ratio:.1f} times faster than pyoomph {formulation} "
+            f"({peer['unknowns']} unknowns, {peer['swell']:.5f})"
+        )
