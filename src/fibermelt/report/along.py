@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from fibermelt.report.lines import ZONES, features, rest
 from fibermelt.report.scene import MM
 from fibermelt.report.style import (
     BAND,
     FULL,
-    GREY,
+    INK,
+    OTHERS,
     Array,
     Words,
     add_axes,
@@ -27,9 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["along_words", "figure_along"]
 
-LEAST_RATE = 0.1
-"""Rates of deformation are drawn from here on [1/s]: below, nothing happens to a fiber in time."""
-
 MARKS = ("o", "s", "D")
 """Marks of zones 1 to 3 on a line."""
 
@@ -39,19 +38,24 @@ def figure_along(results: xr.Dataset) -> Figure:
     """Draw speed and scalar rate of deformation against the time since the inlet."""
     speed = MM * np.hypot(results["u"].to_numpy(), results["v"].to_numpy())
     rate = results["shear_rate"].to_numpy()
-    figure = new_figure(FULL, 78)
-    left = add_axes(figure, 13, 10, 78, 60)
-    right = add_axes(figure, 109, 10, 78, 60)
-    _lines(left, results, speed)
-    _lines(right, results, rate)
-    left.set_ylabel("speed |v| [mm/s]")
-    left.set_ylim(0.0, 1.08 * float(speed.max()))
-    right.set_ylabel(r"rate of deformation $\dot\gamma = \sqrt{2\,D:D}$ [1/s]")
-    right.set_yscale("log")
-    right.set_ylim(LEAST_RATE, 2.0 * float(rate.max()))
-    letter(left, "a")
-    letter(right, "b")
-    left.legend(loc="lower right", bbox_to_anchor=(1.0, 0.03))
+    figure = new_figure(FULL, 112)
+    upper = add_axes(figure, 13, 57, 174, 44)
+    lower = add_axes(figure, 13, 9, 174, 44)
+    _lines(upper, results, speed)
+    _lines(lower, results, rate)
+    upper.set_ylabel("speed |v| [mm/s]")
+    upper.set_xticklabels([])
+    lower.set_ylabel(r"$\dot\gamma = \sqrt{2\,D:D}$ [1/s]")
+    lower.set_xlabel("time since the inlet [s]")
+    letter(upper, "a  speed", inside=True)
+    letter(lower, "b  rate of deformation", inside=True)
+    upper.legend(
+        handles=_key(results),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.02),
+        ncols=4,
+        columnspacing=2.0,
+    )
     return figure
 
 
@@ -60,30 +64,47 @@ def _lines(axes: Axes, results: xr.Dataset, values: Array) -> None:
     time = results["time"].to_numpy()
     zones = results["zone_time"].to_numpy()
     for row in rest(results):
-        axes.plot(time[row], values[row], color=BAND, linewidth=0.6, zorder=1)
+        axes.plot(time[row], values[row], color=OTHERS, linewidth=0.5, zorder=1)
     for feature in features(results):
         row = feature.row
-        axes.plot(time[row], values[row], color=feature.color, linewidth=1.3, zorder=2)
-        for zone, mark in enumerate(MARKS):
-            axes.plot(
-                zones[row, zone],
-                np.interp(zones[row, zone], time[row], values[row]),
-                marker=mark,
-                markersize=4,
-                markerfacecolor="white",
-                markeredgecolor=feature.color,
-                linestyle="none",
-                zorder=3,
-            )
-    axes.plot([], [], color=BAND, label="other streamlines")
-    for feature in features(results):
-        axes.plot([], [], color=feature.color, linewidth=1.3, label=f"streamline {feature.number}")
-    for zone, mark in enumerate(MARKS):
-        name = f"zone {zone + 1}, {ZONES[zone]}"
-        axes.plot([], [], mark, markersize=4, mfc="white", mec=GREY, label=name)
-    axes.set_xlim(0.0, 1.02 * float(time[:, -1].max()))
-    axes.set_xlabel("time since the inlet [s]")
+        axes.plot(time[row], values[row], color=feature.color, linewidth=1.4, zorder=2)
+        at = np.interp(zones[row], time[row], values[row])
+        for when, value, mark in zip(zones[row], at, MARKS, strict=True):
+            axes.plot(when, value, mark, mfc="white", mec=feature.color, markersize=4.5, zorder=3)
+    shown = time <= _end(results)
+    axes.set_xlim(0.0, _end(results))
+    axes.set_ylim(0.0, 1.1 * float(values[shown].max()))
     axes.grid(axis="y", color=BAND, linewidth=0.4)
+
+
+def _end(results: xr.Dataset) -> float:
+    """Return where the time scale ends [s]: when the last of the marked lines has left."""
+    return 1.03 * max(float(results["time"][f.row, -1]) for f in features(results))
+
+
+def _key(results: xr.Dataset) -> list[Line2D]:
+    """Return what colours and marks mean."""
+    lines = [
+        Line2D([], [], color=feature.color, linewidth=1.4, label=f"streamline {feature.number}")
+        for feature in features(results)
+    ]
+    zones = [
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker=mark,
+            markersize=4.5,
+            markerfacecolor="white",
+            markeredgecolor=INK,
+            label=f"zone {zone + 1}, {ZONES[zone]}",
+        )
+        for zone, mark in enumerate(MARKS)
+    ]
+    others = Line2D([], [], color=OTHERS, linewidth=0.6, label="other streamlines")
+    empty = Line2D([], [], linestyle="none", label=" ")
+    columns = [*zip(lines, zones, strict=False)]
+    return [handle for pair in columns for handle in pair] + [others, empty]
 
 
 def along_words(results: xr.Dataset) -> Words:
@@ -97,9 +118,9 @@ def along_words(results: xr.Dataset) -> Words:
     )
     return Words(
         caption=(
-            "What the melt meets on its way: (a) speed and (b) scalar rate of deformation, on a "
-            f"logarithmic scale from {LEAST_RATE:g} 1/s, along all streamlines against the time "
-            "since the inlet, to the outlet. Marks: zones 1 to 3 on the marked streamlines."
+            "What the melt meets on its way: (a) speed and (b) scalar rate of deformation "
+            "along all streamlines against the time since the inlet. Marks: zones 1 to 3 on the "
+            f"marked streamlines. The slowest line goes on to {end.max():.2f} s, off the scale."
         ),
         alt=(
             "Two panels of curves over time. Speed rises in the taper, is steady in the capillary, "

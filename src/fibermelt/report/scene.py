@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ __all__ = [
     "Scene",
     "Window",
     "bed_speed",
+    "by_area",
     "curves",
     "draw_bed",
     "draw_bed_motion",
@@ -392,10 +393,27 @@ def draw_outline(axes: Axes, scene: Scene, *, fill: bool = False) -> None:
         axes.plot(*line.T, color=color, linewidth=0.9 if wall else 0.7, zorder=3)
 
 
-def draw_field(axes: Axes, scene: Scene, values: Array, norm: Normalize, cmap: str) -> TriMesh:
+def inside(scene: Scene, window: Window) -> Index:
+    """Return the small triangles that reach into a window."""
+    corners = scene.points[scene.triangles]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    here = (high > [window.left, window.bottom]).all(axis=1)
+    return scene.triangles[here & (low < [window.right, window.top]).all(axis=1)]
+
+
+def by_area(scene: Scene, values: Array, window: Window) -> tuple[Array, Array]:
+    """Return mean values (n,) over the small triangles in a window, and their areas (n,) [mm2]."""
+    triangles = inside(scene, window)
+    (ax, ay), (bx, by) = np.diff(scene.points[triangles], axis=1).transpose(1, 2, 0)
+    return values[triangles].mean(axis=1), 0.5 * np.abs(ax * by - ay * bx)
+
+
+def draw_field(
+    axes: Axes, scene: Scene, window: Window, values: Array, norm: Normalize, cmap: str
+) -> TriMesh:
     """Paint nodal values over the melt, linear between nodes (painted inside SVG as well)."""
     mesh = axes.tripcolor(
-        Triangulation(*scene.points.T, scene.triangles),
+        Triangulation(*scene.points.T, inside(scene, window)),
         values,
         shading="gouraud",
         norm=norm,
@@ -403,8 +421,7 @@ def draw_field(axes: Axes, scene: Scene, values: Array, norm: Normalize, cmap: s
         rasterized=True,
         zorder=1,
     )
-    assert isinstance(mesh, TriMesh)
-    return mesh
+    return cast(TriMesh, mesh)
 
 
 def draw_mesh(axes: Axes, scene: Scene, color: str, linewidth: float) -> None:

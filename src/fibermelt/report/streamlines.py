@@ -75,13 +75,11 @@ def figure_streamlines(results: xr.Dataset) -> Figure:
 
 def _key(results: xr.Dataset) -> list[Line2D]:
     """Return what the colours, marks and dashes mean."""
-    lines = [
-        Line2D([], [], color=feature.color, linewidth=1.6, label=f"streamline {feature.number}")
-        for feature in features(results)
-    ]
-    lines += [Line2D([], [], color=GREY, linewidth=0.6, label="other streamlines, of equal flux")]
+    marked = ", ".join(str(feature.number) for feature in features(results))
+    names = f"streamlines of equal flux, {marked} marked"
+    lines = [Line2D([], [], color=GREY, linewidth=0.6, label=names)]
     zones = ", ".join(f"{k + 1} {name}" for k, name in enumerate(ZONES))
-    lines += [Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=zones)]
+    lines += [Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=f"zones: {zones}")]
     where = ("above the middle of the capillary", "below it")
     return lines + [
         Line2D(
@@ -91,7 +89,7 @@ def _key(results: xr.Dataset) -> list[Line2D]:
             marker=mark,
             color=color,
             markersize=4,
-            label=f"Loc. {k + 1}: lowest surface pressure of a fiber {where[k]}",
+            label=f"Loc. {k + 1}: lowest pressure on a fiber {where[k]}",
         )
         for k, (mark, color) in enumerate(PLACES)
     ]
@@ -123,7 +121,7 @@ def draw_zones(axes: Axes, results: xr.Dataset) -> None:
         axes.annotate(
             str(zone + 1),
             (x[end], y[end]),
-            xytext=(5, 5) if zone == 2 else (9, 0),
+            xytext=(4, 6) if zone == 2 else (9, 0),
             textcoords="offset points",
             ha="center",
             va="center",

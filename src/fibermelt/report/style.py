@@ -38,6 +38,7 @@ __all__ = [
     "GREY",
     "INK",
     "ORANGE",
+    "OTHERS",
     "PALE",
     "PINK",
     "SEQUENTIAL",
@@ -59,7 +60,7 @@ P = ParamSpec("P")
 COLUMN, FULL = 90.0, 190.0
 """Widths of a figure [mm]: one column of a page, and across it."""
 
-INK, GREY, BAND, PALE = "#1a1a1a", "#8c8c8c", "#dedede", "#f0f3f6"
+INK, GREY, OTHERS, BAND, PALE = "#1a1a1a", "#8c8c8c", "#bdbdbd", "#dedede", "#f0f3f6"
 BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"
 ORANGE, PINK = "#e69f00", "#cc79a7"
 

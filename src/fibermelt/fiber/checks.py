@@ -1,0 +1,96 @@
+"""What the closed forms ask of their input: each refusal names the value, the bound, the way out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fibermelt.errors import ConfigError, HistoryError
+from fibermelt.history import TRACE_TOLERANCE
+
+__all__ = ["checked_gradient", "checked_positive", "checked_unit"]
+
+Array = NDArray[np.float64]
+
+UNIT_TOLERANCE = 1e-10
+"""Largest ``| |p|^2 - 1 |`` of a direction: a pressure is then good to the 1e-10 it promises."""
+
+
+def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
+    """Return velocity gradients as an array, or refuse them.
+
+    Parameters
+    ----------
+    gradient : (..., d, d) array_like
+        ``L[..., i, j] = d u_i/d x_j`` [1/s].
+    dimension : int
+        ``d``.
+
+    Raises
+    ------
+    HistoryError
+        If the shape is another, a component is not finite, or a trace is above
+        `fibermelt.history.TRACE_TOLERANCE` of the gradient's size.
+    """
+    L = np.asarray(gradient, dtype=np.float64)
+    if L.shape[-2:] != (dimension, dimension):
+        msg = f"gradient has shape {L.shape}, expected (..., {dimension}, {dimension})"
+        raise HistoryError(msg)
+    trace = np.abs(np.trace(L, axis1=-2, axis2=-1))
+    # a NaN fails every comparison, so that what is not finite is caught here as well
+    fine = trace <= TRACE_TOLERANCE * np.sqrt(np.einsum("...ij,...ij->...", L, L))
+    if np.all(fine) and np.all(np.isfinite(trace)):
+        return L
+    where = tuple(int(k) for k in np.argwhere(~(fine & np.isfinite(trace)))[0])
+    if np.all(np.isfinite(L[where])):
+        msg = (
+            f"gradient{_place(where)} has trace {np.trace(L[where]):.3g} 1/s; an incompressible "
+            f"melt has none (bound {TRACE_TOLERANCE:g} |L|): remove it before"
+        )
+    else:
+        msg = f"gradient{_place(where)} = {L[where].tolist()} is not finite"
+    raise HistoryError(msg)
+
+
+def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:
+    """Return directions as an array, or refuse them.
+
+    Parameters
+    ----------
+    direction : (..., 3) array_like
+        Unit vectors [-].
+    name : str
+        What the message calls them.
+
+    Raises
+    ------
+    ConfigError
+        If the shape is another, or a squared length is not one within `UNIT_TOLERANCE`.
+    """
+    p = np.asarray(direction, dtype=np.float64)
+    if p.shape[-1:] != (3,):
+        msg = f"{name} has shape {p.shape}, expected (..., 3)"
+        raise ConfigError(msg)
+    off = np.abs(np.einsum("...i,...i->...", p, p) - 1.0)
+    fine = off <= UNIT_TOLERANCE
+    if not np.all(fine):
+        where = tuple(int(k) for k in np.argwhere(~fine)[0])
+        msg = (
+            f"{name}{_place(where)} = {p[where].tolist()} has length "
+            f"{float(np.linalg.norm(p[where])):.12g}: must be a unit vector "
+            f"(bound {UNIT_TOLERANCE:g} on its square); divide by the length before"
+        )
+        raise ConfigError(msg)
+    return p
+
+
+def checked_positive(name: str, value: float, unit: str, example: str) -> float:
+    """Return a positive finite number, or refuse it with its name, unit and an example."""
+    if not (np.isfinite(value) and value > 0):
+        msg = f"{name} = {value:g} {unit}".rstrip() + f": must be positive, e.g. {example}"
+        raise ConfigError(msg)
+    return float(value)
+
+
+def _place(where: tuple[int, ...]) -> str:
+    return f"[{', '.join(map(str, where))}]" if where else ""

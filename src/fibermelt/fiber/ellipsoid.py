@@ -1,0 +1,224 @@
+"""A rigid ellipsoid in an unbounded melt: how it turns, and the stress on its surface.
+
+Put the constant tensor ``T`` (symmetric for a free particle) as a traction ``T n`` on the surface.
+With ``Psi = int_V dV/r`` and ``chi = int_V r dV`` over the ellipsoid's body, the Stokeslets add up to
+
+    u = L x + (1/(8 pi mu)) T_jk (2 delta_ij d_k Psi - d_i d_j d_k chi),
+    p = p_inf - (1/(4 pi)) T_jk d_j d_k Psi,
+
+the flow around Eshelby's inclusion in an incompressible medium. Inside, ``Psi`` is quadratic and
+``chi`` quartic, hence ``u`` linear in ``x``: it can be a rigid rotation, and then no other traction
+is at work. Matching (integrals of `fibermelt.fiber.ellipsoid_integrals`, body axes, no sum over i):
+
+    T_ij = 4 mu D_ij / ((a_i^2 + a_j^2) I_ij),  i != j,
+    T_ii = 4 mu w_i D_ii / (w_1 w_2 + w_2 w_3 + w_3 w_1),   w_1 = K_23, w_2 = K_31, w_3 = K_12,
+    omega_1 = Omega_1 + (a_2^2 - a_3^2)/(a_2^2 + a_3^2) D_23  and cyclic (Jeffery's Eq. 37),
+
+up to a multiple of the identity in ``T``, which stirs nothing. Outside, ``d_i d_j Psi`` jumps by ``4
+pi n_i n_j``; inside it is ``-2 pi I_i delta_ij``. So on the surface
+
+    p - p_inf = -n . Sigma n,     Sigma = T - (1/2) (I_1 T_11 + I_2 T_22 + I_3 T_33) identity.
+
+``Sigma`` is the traction's own tensor, isotropic part included: no slip makes ``n . D n`` vanish on
+the surface, so that ``p = -n . sigma n`` there. Every unit vector ``n`` is a normal somewhere: the
+extreme pressures are the outer eigenvalues of ``-Sigma``, exactly, at the points whose normals are
+its eigenvectors. The sphere gives ``Sigma = 5 mu D``.
+
+References
+----------
+Jeffery 1922, doi 10.1098/rspa.1922.0078; Eshelby 1959, doi 10.1098/rspa.1959.0173 (the inclusion's
+potentials); Kim and Karrila 1991, "Microhydrodynamics", chapter 3 (the linear traction).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import checked_gradient, checked_positive
+from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
+from fibermelt.fiber.symmetric import extreme_eigenpairs
+
+__all__ = ["Ellipsoid", "EllipsoidResponse", "SurfaceExtremes", "unbounded_ellipsoid"]
+
+Array = NDArray[np.float64]
+
+CYCLIC = ((1, 2), (2, 0), (0, 1))
+"""The two other axes of each axis, in the order that turns right-handed."""
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """A rigid ellipsoid.
+
+    Parameters
+    ----------
+    semi_axes : tuple of three floats
+        ``a_1, a_2, a_3`` [m], positive, in any order.
+
+    Raises
+    ------
+    ConfigError
+        If there are not three, or one is not positive.
+    """
+
+    semi_axes: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        """Refuse what is no body."""
+        if len(self.semi_axes) != 3:
+            msg = f"fiber.semi_axes = {self.semi_axes}: an ellipsoid has three"
+            raise ConfigError(msg)
+        for k, value in enumerate(self.semi_axes):
+            checked_positive(f"fiber.semi_axes[{k}]", value, "m", "42e-6")
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceExtremes:
+    """Lowest and highest pressure on a surface, and where.
+
+    Points on the surface are given by the vector of their eccentric angles, ``e_i = x_i/a_i`` in
+    body axes: a unit vector, (1, 0, 0) at the tip of the first axis. The opposite point sees the
+    same pressure; the one with ``e_1 >= 0`` is given. Where a pressure is reached along a curve or
+    everywhere, it is one of the points.
+
+    Parameters
+    ----------
+    lowest, highest : (...) array
+        ``(p - p_inf)/mu`` [1/s].
+    where_lowest, where_highest : (..., 3) array
+        Eccentric vectors [-]; the axes are those of the gradient that was given.
+    """
+
+    lowest: Array
+    highest: Array
+    where_lowest: Array
+    where_highest: Array
+
+
+@dataclass(frozen=True, eq=False)
+class EllipsoidResponse:
+    """The linear response of a force- and torque-free ellipsoid, in its own axes.
+
+    Parameters
+    ----------
+    semi_axes : (3,) array
+        ``a_i`` [m].
+    shape_factors : (3,) array
+        ``(a_j^2 - a_k^2)/(a_j^2 + a_k^2)`` [-] of the rotation about axis i.
+    stiffness : (3, 3) array
+        ``T_ij/(mu D_ij)`` [-], up to a multiple of the identity in ``T``.
+    depolarisation : (3,) array
+        ``I_i/2`` [-], of sum one.
+    """
+
+    semi_axes: Array
+    shape_factors: Array
+    stiffness: Array
+    depolarisation: Array
+
+    def angular_velocity(self, gradient: ArrayLike) -> Array:
+        """Return the torque-free angular velocity in body axes [1/s], (..., 3).
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradient of the far field in body axes [1/s].
+
+        Raises
+        ------
+        HistoryError
+            If a gradient is not finite or has a trace; so for all that follow.
+        """
+        L = checked_gradient(gradient, 3)
+        parts = []
+        for factor, (j, k) in zip(self.shape_factors, CYCLIC, strict=True):
+            melt = 0.5 * (L[..., k, j] - L[..., j, k])
+            parts.append(melt + factor * 0.5 * (L[..., k, j] + L[..., j, k]))
+        return np.stack(parts, axis=-1)
+
+    def surface_stress(self, gradient: ArrayLike) -> Array:
+        """Return ``Sigma/mu`` [1/s] in body axes, (..., 3, 3): the traction is ``Sigma n - p_inf n``.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradient of the far field in body axes [1/s].
+        """
+        L = checked_gradient(gradient, 3)
+        stress: Array = self.stiffness * (0.5 * (L + np.swapaxes(L, -1, -2)))
+        diagonal = np.einsum("...ii->...i", stress)
+        diagonal -= (diagonal @ self.depolarisation)[..., None]
+        return stress
+
+    def surface_pressure(self, gradient: ArrayLike, where: ArrayLike) -> Array:
+        """Return ``(p - p_inf)/mu`` [1/s] at points of the surface.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradient of the far field in body axes [1/s].
+        where : (..., 3) array_like
+            Eccentric vectors ``x_i/a_i`` of the points [-]; broadcast with the gradients.
+        """
+        normal = np.asarray(where, dtype=np.float64) * (np.min(self.semi_axes) / self.semi_axes)
+        normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        stress = self.surface_stress(gradient)
+        return np.asarray(-np.einsum("...i,...ij,...j->...", normal, stress, normal))
+
+    def extremes(self, gradient: ArrayLike) -> SurfaceExtremes:
+        """Return the lowest and highest surface pressure, and where, in body axes.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradient of the far field in body axes [1/s].
+        """
+        S = self.surface_stress(gradient)
+        low, high, at_low, at_high = extreme_eigenpairs(
+            (S[..., 0, 0], S[..., 1, 1], S[..., 2, 2], S[..., 1, 2], S[..., 0, 2], S[..., 0, 1])
+        )
+        where_lowest, where_highest = (
+            self._where(np.stack(normal, axis=-1)) for normal in (at_high, at_low)
+        )
+        return SurfaceExtremes(-high, -low, where_lowest, where_highest)
+
+    def _where(self, normal: Array) -> Array:
+        """Return the eccentric vector of the points with given normals: ``x_i = a_i^2 n_i/|a n|``."""
+        vector = normal * (self.semi_axes / np.max(self.semi_axes))
+        vector = vector / np.linalg.norm(vector, axis=-1, keepdims=True)
+        return np.asarray(np.where(vector[..., :1] < 0.0, -vector, vector))
+
+    @cached_property
+    def tip_stiffness(self) -> float:
+        """Return ``-(p_tip - p_inf)/mu`` at the first axis per unit of ``D = diag(1, -1/2, -1/2)``.
+
+        5 for the sphere; 31.07 for the prolate spheroid of aspect ratio 6.
+        """
+        return float(self.surface_stress(np.diag([1.0, -0.5, -0.5]))[0, 0])
+
+
+def unbounded_ellipsoid(body: Ellipsoid) -> EllipsoidResponse:
+    """Return the response of an ellipsoid in an unbounded melt, exact to rounding.
+
+    Parameters
+    ----------
+    body : Ellipsoid
+        The particle; only the ratios of its axes matter. Spheroids and the sphere are no special
+        cases: every integral is a sum of positive terms.
+    """
+    a = np.array(body.semi_axes, dtype=np.float64)
+    a = a / np.max(a)
+    integrals = ellipsoid_integrals(a, np.array(0.0))
+    square = a * a
+    stiffness = 4.0 / ((square[:, None] + square) * integrals.double)
+    w = np.array([integrals.moment[j, k] for j, k in CYCLIC])
+    np.fill_diagonal(stiffness, 4.0 * w / (w[0] * w[1] + w[1] * w[2] + w[2] * w[0]))
+    factors = np.array([(a[j] - a[k]) * (a[j] + a[k]) / (a[j] ** 2 + a[k] ** 2) for j, k in CYCLIC])
+    return EllipsoidResponse(
+        np.array(body.semi_axes, dtype=np.float64), factors, stiffness, 0.5 * integrals.single
+    )

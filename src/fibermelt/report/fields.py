@@ -1,0 +1,162 @@
+"""The flow as maps: speed, rate of deformation and pressure, and the velocity gradient (Fig. 4)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import TriMesh
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+
+from fibermelt.report.scene import (
+    MM,
+    Scene,
+    Window,
+    by_area,
+    draw_bed,
+    draw_field,
+    draw_metal,
+    draw_outline,
+    frame,
+    read_scene,
+    scale_bar,
+    scene_axes,
+)
+from fibermelt.report.style import (
+    ATMOSPHERE,
+    DIVERGING,
+    FULL,
+    SEQUENTIAL,
+    Array,
+    Words,
+    add_axes,
+    color_bar,
+    letter,
+    new_figure,
+    round_up,
+    share_within,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["figure_gradients", "figure_maps", "gradients_words", "maps_words"]
+
+SHARE = 0.98
+"""Share of the drawn area whose values lie within a colour scale: the rest is near a corner, where
+the flow is singular and no scale would hold it."""
+
+MPA = 1e-6
+"""Megapascals in a pascal."""
+
+DECADES = 3.0
+"""Orders of magnitude that the map of the rate of deformation spans."""
+
+GRADIENTS = (
+    (r"a  $\partial v_x / \partial x$", 0, 0),
+    (r"b  $\partial v_y / \partial x$", 1, 0),
+    (r"c  $\partial v_x / \partial y$", 0, 1),
+    (r"d  $\partial v_y / \partial y$", 1, 1),
+)
+"""The paper's order, with row and column of ``L_ij = d u_i / d x_j``."""
+
+
+def _map(
+    axes: Axes, scene: Scene, window: Window, values: Array, norm: Normalize, cmap: str
+) -> TriMesh:
+    draw_metal(axes, scene)
+    draw_bed(axes, window)
+    draw_outline(axes, scene)
+    frame(axes)
+    return draw_field(axes, scene, window, values, norm, cmap)
+
+
+@styled
+def figure_maps(results: xr.Dataset) -> Figure:
+    """Draw speed, rate of deformation and pressure over the whole domain and near the exit."""
+    scene = read_scene(results)
+    speed, rate, pressure = _scalars(results)
+    top = MM * round_up(1e-3 * float(speed.max()))
+    most = round_up(share_within(*by_area(scene, rate, scene.exit), 1.0 - 0.1 * (1.0 - SHARE)))
+    high = _pressure_limit(results)
+    panels = (
+        ("a  speed", "|v| [mm/s]", speed, Normalize(0, top), SEQUENTIAL, "neither"),
+        (
+            "b  rate of deformation",
+            r"$\dot\gamma$ [1/s]",
+            rate,
+            LogNorm(most * 10**-DECADES, most),
+            SEQUENTIAL,
+            "both",
+        ),
+        (
+            "c  pressure of the melt",
+            "p [MPa], atmosphere = 0",
+            pressure,
+            Normalize(-high, high),
+            ATMOSPHERE,
+            "both",
+        ),
+    )
+    figure = new_figure(FULL, 111)
+    wide = 60.0
+    for k, (name, unit, values, norm, cmap, extend) in enumerate(panels):
+        left = 2.0 + k * (wide + 3.0)
+        whole = scene_axes(figure, left, 54, wide, scene.whole)
+        _map(whole, scene, scene.whole, values, norm, cmap)
+        letter(whole, name)
+        near = scene_axes(figure, left, 16, wide, scene.exit)
+        field = _map(near, scene, scene.exit, values, norm, cmap)
+        scale_bar(near, scene.exit, height=0.8, share=0.2)
+        bar = add_axes(figure, left + 3, 11, wide - 6, 2)
+        color_bar(field, bar, unit, extend=extend)
+    return figure
+
+
+def _scalars(results: xr.Dataset) -> tuple[Array, Array, Array]:
+    """Return speed [mm/s], rate of deformation [1/s] and pressure [MPa] at the nodes."""
+    velocity, L = results["node_velocity"].to_numpy(), results["node_gradient"].to_numpy()
+    D = 0.5 * (L + L.swapaxes(-1, -2))
+    rate = np.sqrt(2.0 * np.einsum("nij,nij->n", D, D))
+    return MM * np.hypot(*velocity.T), rate, MPA * results["node_pressure"].to_numpy()
+
+
+def _pressure_limit(results: xr.Dataset) -> float:
+    """Return the end of the pressure's scale [MPa]: the inlet's pressure, rounded up."""
+    return round_up(MPA * float(results["inlet_pressure"]))
+
+
+@styled
+def figure_gradients(results: xr.Dataset) -> Figure:
+    """Draw the four components of the velocity gradient near the nozzle's exit."""
+    scene = read_scene(results)
+    gradient = results["node_gradient"].to_numpy()
+    diagonal, shear = _gradient_limits(results, scene)
+    figure = new_figure(FULL, 107)
+    wide, upper, lower = 82.0, 61.0, 10.0
+    places = ((2.0, upper), (106.0 - 18.0 - 2.0, upper), (2.0, lower), (86.0, lower))
+    for (name, row, column), (left, bottom) in zip(GRADIENTS, places, strict=True):
+        limit = diagonal if row == column else shear
+        axes = scene_axes(figure, left, bottom, wide, scene.exit)
+        values = gradient[:, row, column]
+        field = _map(axes, scene, scene.exit, values, Normalize(-limit, limit), DIVERGING)
+        letter(axes, f"{name} [1/s]")
+        if left == 2.0 and bottom == lower:
+            scale_bar(axes, scene.exit, height=0.8, share=0.2)
+        if row == 0:
+            continue
+    del field
+    return figure
+
+
+def _gradient_limits(results: xr.Dataset, scene: Scene) -> tuple[float, float]:
+    """Return the ends of the scales of the diagonal components and of the shears [1/s]."""
+    L = results["node_gradient"].to_numpy()
+    limits = []
+    for pair in (((0, 0), (1, 1)), ((0, 1), (1, 0))):
+        ends = [share_within(*by_area(scene, L[:, i, j], scene.exit), SHARE) for i, j in pair]
+        limits.append(round_up(max(ends)))
+    return limits[0], limits[1]
