@@ -119,6 +119,19 @@ def test_streamlines_are_ordered_and_slow_at_the_edges(
         assert np.all(np.diff(times) > 0)
 
 
+def test_gradient_error_is_stated_where_it_is_large(paper_lines: tuple[Streamline, ...]) -> None:
+    """Half a per cent of the largest gradient on most lines; the most on those that pass the singular corners."""
+    share = np.array(
+        [
+            line.gradient_error.max() / np.linalg.norm(line.history.gradient, axis=(1, 2)).max()
+            for line in paper_lines
+        ]
+    )
+    assert np.median(share) < 1e-2
+    flagged = np.array([line.near_singularity for line in paper_lines])
+    assert share[flagged].max() == share.max()
+
+
 def test_path_is_the_integral_of_its_velocity(paper_lines: tuple[Streamline, ...]) -> None:
     history = paper_lines[9].history
     step = np.diff(history.time)[:, None]

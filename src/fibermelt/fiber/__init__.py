@@ -8,6 +8,26 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution, CellSystem
+from fibermelt.fiber.directors import DirectorMotion, GradientPath, follow_directors
+from fibermelt.fiber.ellipse_field import (
+    EllipseField,
+    ellipse_field,
+    ellipse_spin,
+    ellipse_torque,
+)
+from fibermelt.fiber.ellipsoid import (
+    Ellipsoid,
+    EllipsoidResponse,
+    SurfaceExtremes,
+    unbounded_ellipsoid,
+)
+from fibermelt.fiber.ellipsoid_field import EllipsoidField, body_axes, ellipsoid_field
+from fibermelt.fiber.equivalent import (
+    cox_cylinder_ratio,
+    cox_ellipse_ratio,
+    zhang_cylinder_ratio,
+    zhang_ellipse_ratio,
+)
 from fibermelt.fiber.extremes import (
     Extremes,
     ExtremeStatistics,
@@ -31,6 +51,13 @@ from fibermelt.fiber.motion import (
     paper_angles,
 )
 from fibermelt.fiber.newton import NewtonMotion, follow_newton
+from fibermelt.fiber.orbits import (
+    equal_area_directions,
+    jeffery_director,
+    orbit_constant,
+    orbit_phase,
+    planar_directions,
+)
 from fibermelt.fiber.paths import PathBundle
 from fibermelt.fiber.population import IsotropicPressure, isotropic_pressure
 from fibermelt.fiber.pressure import (
@@ -41,6 +68,12 @@ from fibermelt.fiber.pressure import (
 )
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse, jeffery_factor
+from fibermelt.fiber.spheroid import (
+    Spheroid,
+    SpheroidResponse,
+    embed_planar,
+    unbounded_spheroid,
+)
 
 if TYPE_CHECKING:
     from fibermelt.fiber.cell import build_system, solve_cell
@@ -50,36 +83,63 @@ __all__ = [
     "CellNumerics",
     "CellSolution",
     "CellSystem",
+    "DirectorMotion",
     "Ellipse",
+    "EllipseField",
+    "Ellipsoid",
+    "EllipsoidField",
+    "EllipsoidResponse",
     "ExtremeStatistics",
     "Extremes",
     "FiberResponse",
+    "GradientPath",
     "IsotropicPressure",
     "Motion",
     "NewtonMotion",
     "PathBundle",
     "PressureBounds",
+    "Spheroid",
+    "SpheroidResponse",
+    "SurfaceExtremes",
     "SurfacePressure",
     "angle_to_stream",
     "angle_to_stream_at",
+    "body_axes",
     "build_system",
+    "cox_cylinder_ratio",
+    "cox_ellipse_ratio",
     "ellipse_extremes",
+    "ellipse_field",
     "ellipse_pressure",
+    "ellipse_spin",
+    "ellipse_torque",
+    "ellipsoid_field",
+    "embed_planar",
+    "equal_area_directions",
     "extreme_bounds",
     "extremes",
     "follow",
+    "follow_directors",
     "follow_newton",
     "isotropic_angles",
     "isotropic_pressure",
     "jeffery_angle",
+    "jeffery_director",
     "jeffery_factor",
     "jeffery_period",
+    "orbit_constant",
+    "orbit_phase",
     "paper_angles",
+    "planar_directions",
     "pressure_bounds",
     "solve_cell",
     "statistics",
     "surface_pressure",
     "unbounded_ellipse",
+    "unbounded_ellipsoid",
+    "unbounded_spheroid",
+    "zhang_cylinder_ratio",
+    "zhang_ellipse_ratio",
 ]
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.cell_paper import PAPER_ORDER
 from fibermelt.fiber.response import FiberResponse
 
 __all__ = ["CellError", "CellNumerics", "CellSolution", "CellSystem"]
@@ -23,6 +24,9 @@ ORDERS = (2, 14)
 SPACINGS = (0.05, 2.0)
 """Element sizes in the stretched coordinates: from thousands of columns to barely one per tip."""
 
+MESHES = ("graded", "paper")
+"""The mesh that resolves the tips, and the paper's own."""
+
 
 @dataclass(frozen=True)
 class CellNumerics:
@@ -32,18 +36,24 @@ class CellNumerics:
     ----------
     order : int
         Polynomial order of velocity and geometry; the pressure's is one less (default 7).
+        The graded mesh's: the paper's mesh is of order 2, whatever the default says here.
     angular_spacing, radial_spacing : float
-        Largest element in the stretched coordinates of `CellGrid` [-]; smaller is finer.
+        Largest element in the stretched coordinates of `CellGrid` [-]; smaller is finer. The graded
+        mesh's, too.
     pressure_reference : {"cell-edge", "far-node"}
         What the streamline's pressure is the pressure of: the mean over the cell's edge, or, as in
         the paper's Eq. 7, one node on it: ``(R, 0)`` in the fiber's axes, ahead of its tip.
     estimate : bool
-        Whether to solve once more with the order raised by one for an error estimate.
+        Whether to solve once more for an error estimate: with the order raised by one, or, for the
+        paper's mesh, on the graded mesh with its defaults.
+    mesh : {"graded", "paper"}
+        Curved quadrilaterals that resolve the tips, or the paper's own 1800 six-node triangles
+        (`fibermelt.fiber.cell_paper`), which leave several percent of the tip pressure open.
 
     Raises
     ------
     ConfigError
-        If a value is out of its range.
+        If a value is out of its range, or one that only the graded mesh has is set for the paper's.
     """
 
     order: int = 7
@@ -51,6 +61,7 @@ class CellNumerics:
     radial_spacing: float = 0.7
     pressure_reference: Literal["cell-edge", "far-node"] = "cell-edge"
     estimate: bool = True
+    mesh: Literal["graded", "paper"] = "graded"
 
     def __post_init__(self) -> None:
         """Refuse what cannot be solved."""
@@ -68,11 +79,36 @@ class CellNumerics:
                 '"cell-edge" or "far-node"'
             )
             raise ConfigError(msg)
+        if self.mesh not in MESHES:
+            msg = f'numerics.cell mesh = "{self.mesh}": must be "graded" or "paper"'
+            raise ConfigError(msg)
+        if self.mesh == "paper":
+            self._refuse_what_the_paper_fixes()
+
+    def _refuse_what_the_paper_fixes(self) -> None:
+        """Refuse values that would have no effect: all but the defaults, and the paper's order."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            fixed = field.name in ("order", "angular_spacing", "radial_spacing")
+            is_papers = field.name == "order" and value == PAPER_ORDER
+            if fixed and value != field.default and not is_papers:
+                msg = (
+                    f'numerics.cell {field.name} = {value:g} has no effect with mesh = "paper", '
+                    'which is of order 2 on 30 x 30 x 2 triangles: leave it out, or take "graded"'
+                )
+                raise ConfigError(msg)
+
+    @property
+    def velocity_order(self) -> int:
+        """Return the order that is solved with: ``order``, or two on the paper's mesh."""
+        return PAPER_ORDER if self.mesh == "paper" else self.order
 
 
 @dataclass(frozen=True)
 class CellError:
-    """Difference to the solution of the next order: what the discretisation is trusted to.
+    """Difference to a better solution: what the discretisation is trusted to.
+
+    Better is the next order on the graded mesh; for the paper's mesh, the graded one's default.
 
     Parameters
     ----------
@@ -108,7 +144,7 @@ class CellSolution:
     unknowns : int
         Velocity and pressure unknowns of the solution (not of the estimate).
     elements : int
-        Quadrilateral elements.
+        Quadrilaterals of the graded mesh, triangles of the paper's.
     residual : float
         Algebraic residual over the size of the load [-].
     points : (N, 2) array
@@ -121,6 +157,9 @@ class CellSolution:
         Velocity at the nodes: node, mode, component.
     pressure : (N, 2) array
         Pressure at the nodes: node, mode; its level as in ``response``.
+    handedness : float
+        Spin at unit ``D_11`` [-] that is left out of ``response``: zero by symmetry, but not on a
+        mesh that differs from its mirror image, as the paper's does.
     """
 
     response: FiberResponse
@@ -134,6 +173,7 @@ class CellSolution:
     element_edges: Index
     velocity: Array
     pressure: Array
+    handedness: float = 0.0
 
     @property
     def shape_factor(self) -> float:

@@ -3,7 +3,8 @@
 The surface pressure is ``P_1 = sum c_k cos 2 k s``, ``P_2 = sum d_k sin 2 k s`` by the symmetry of
 fiber and cell, and its coefficients fall off like ``exp(-2 k w)`` with ``w`` the distance to the
 nearest singularity (`CellGrid.tip_width`): the projection on these harmonics keeps what is
-resolved and leaves out the elements' kinks.
+resolved and leaves out the elements' kinks. The paper's mesh is taken as it is: its pressure is
+linear between the vertices on the surface, which are then the surface points.
 """
 
 from __future__ import annotations
@@ -14,8 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.fiber.cell_grid import CellGrid
+from fibermelt.fiber.cell_paper import PaperGrid
 
-__all__ = ["lagrange_matrix", "project_harmonics", "surface_angles"]
+__all__ = [
+    "lagrange_matrix",
+    "project_harmonics",
+    "surface_angles",
+    "surface_basis",
+    "surface_values",
+]
 
 Array = NDArray[np.float64]
 
@@ -94,3 +102,42 @@ def project_harmonics(grid: CellGrid, order: int, values: Array) -> Array:
     kept[even, ..., 1] = 1j * spectrum[even, ..., 1].imag
     half = np.fft.irfft(kept, n=target.size, axis=0)[: target.size // 2] * target.size
     return np.concatenate([half, half])
+
+
+def surface_basis(grid: CellGrid | PaperGrid, order: int, values: Array) -> tuple[Array, Array]:
+    """Return the surface points' eccentric angles [rad] and the two modes' pressures there.
+
+    Parameters
+    ----------
+    grid, order, values
+        As in `project_harmonics`; on the paper's grid nothing is projected.
+
+    Returns
+    -------
+    angles : (m,) array
+    basis : (m, 2) array
+    """
+    if isinstance(grid, PaperGrid):
+        return grid.surface_angles(), np.array(values[::order])
+    return surface_angles(grid), project_harmonics(grid, order, values)
+
+
+def surface_values(grid: CellGrid | PaperGrid, order: int, values: Array) -> Array:
+    """Return pressures at the surface points of `surface_basis`, for any mixture of the modes.
+
+    Parameters
+    ----------
+    grid, order
+        As in `surface_basis`.
+    values : (columns * order, k) array
+        Nodal pressures of ``k`` flows.
+
+    Returns
+    -------
+    (m, k) array
+        The even part projected as the first mode, the odd part as the second.
+    """
+    if isinstance(grid, PaperGrid):
+        return np.array(values[::order])
+    both = project_harmonics(grid, order, np.stack([values, values], axis=-1))
+    return np.asarray(both.sum(axis=-1))

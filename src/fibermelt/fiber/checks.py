@@ -1,4 +1,4 @@
-"""What the closed forms ask of their input: each refusal names the value, the bound, the way out."""
+"""What the closed forms ask of their input; a refusal names the value and the way out."""
 
 from __future__ import annotations
 
@@ -36,20 +36,21 @@ def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
     if L.shape[-2:] != (dimension, dimension):
         msg = f"gradient has shape {L.shape}, expected (..., {dimension}, {dimension})"
         raise HistoryError(msg)
+    finite = np.isfinite(L)
+    if not np.all(finite):
+        where = _first(~np.all(finite, axis=(-2, -1)))
+        msg = f"gradient{_place(where)} = {L[where].tolist()} is not finite"
+        raise HistoryError(msg)
     trace = np.abs(np.trace(L, axis1=-2, axis2=-1))
-    # a NaN fails every comparison, so that what is not finite is caught here as well
-    fine = trace <= TRACE_TOLERANCE * np.sqrt(np.einsum("...ij,...ij->...", L, L))
-    if np.all(fine) and np.all(np.isfinite(trace)):
-        return L
-    where = tuple(int(k) for k in np.argwhere(~(fine & np.isfinite(trace)))[0])
-    if np.all(np.isfinite(L[where])):
+    traced = trace > TRACE_TOLERANCE * np.sqrt(np.einsum("...ij,...ij->...", L, L))
+    if np.any(traced):
+        where = _first(traced)
         msg = (
             f"gradient{_place(where)} has trace {np.trace(L[where]):.3g} 1/s; an incompressible "
             f"melt has none (bound {TRACE_TOLERANCE:g} |L|): remove it before"
         )
-    else:
-        msg = f"gradient{_place(where)} = {L[where].tolist()} is not finite"
-    raise HistoryError(msg)
+        raise HistoryError(msg)
+    return L
 
 
 def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:
@@ -74,7 +75,7 @@ def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:
     off = np.abs(np.einsum("...i,...i->...", p, p) - 1.0)
     fine = off <= UNIT_TOLERANCE
     if not np.all(fine):
-        where = tuple(int(k) for k in np.argwhere(~fine)[0])
+        where = _first(~fine)
         msg = (
             f"{name}{_place(where)} = {p[where].tolist()} has length "
             f"{float(np.linalg.norm(p[where])):.12g}: must be a unit vector "
@@ -90,6 +91,11 @@ def checked_positive(name: str, value: float, unit: str, example: str) -> float:
         msg = f"{name} = {value:g} {unit}".rstrip() + f": must be positive, e.g. {example}"
         raise ConfigError(msg)
     return float(value)
+
+
+def _first(marked: NDArray[np.bool_] | np.bool_) -> tuple[int, ...]:
+    """Return the index of the first marked element; empty for a single one."""
+    return tuple(int(k) for k in np.argwhere(marked)[0])
 
 
 def _place(where: tuple[int, ...]) -> str:

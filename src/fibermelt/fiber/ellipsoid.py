@@ -1,7 +1,7 @@
 """A rigid ellipsoid in an unbounded melt: how it turns, and the stress on its surface.
 
-Put the constant tensor ``T`` (symmetric for a free particle) as a traction ``T n`` on the surface.
-With ``Psi = int_V dV/r`` and ``chi = int_V r dV`` over the ellipsoid's body, the Stokeslets add up to
+Put a traction ``T n`` on the surface, ``T`` a constant tensor (symmetric for a free particle). With
+``Psi = int_V dV/r`` and ``chi = int_V r dV`` over the ellipsoid's body, the Stokeslets add up to
 
     u = L x + (1/(8 pi mu)) T_jk (2 delta_ij d_k Psi - d_i d_j d_k chi),
     p = p_inf - (1/(4 pi)) T_jk d_j d_k Psi,
@@ -14,8 +14,8 @@ is at work. Matching (integrals of `fibermelt.fiber.ellipsoid_integrals`, body a
     T_ii = 4 mu w_i D_ii / (w_1 w_2 + w_2 w_3 + w_3 w_1),   w_1 = K_23, w_2 = K_31, w_3 = K_12,
     omega_1 = Omega_1 + (a_2^2 - a_3^2)/(a_2^2 + a_3^2) D_23  and cyclic (Jeffery's Eq. 37),
 
-up to a multiple of the identity in ``T``, which stirs nothing. Outside, ``d_i d_j Psi`` jumps by ``4
-pi n_i n_j``; inside it is ``-2 pi I_i delta_ij``. So on the surface
+up to a multiple of the identity in ``T``, which stirs nothing. ``d_i d_j Psi`` is ``-2 pi I_i
+delta_ij`` inside and jumps by ``4 pi n_i n_j`` on the way out. So on the surface
 
     p - p_inf = -n . Sigma n,     Sigma = T - (1/2) (I_1 T_11 + I_2 T_22 + I_3 T_33) identity.
 
@@ -38,7 +38,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
 from fibermelt.fiber.checks import checked_gradient, checked_positive
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
 from fibermelt.fiber.symmetric import extreme_eigenpairs
@@ -63,16 +62,13 @@ class Ellipsoid:
     Raises
     ------
     ConfigError
-        If there are not three, or one is not positive.
+        If one is not positive and finite.
     """
 
     semi_axes: tuple[float, float, float]
 
     def __post_init__(self) -> None:
         """Refuse what is no body."""
-        if len(self.semi_axes) != 3:
-            msg = f"fiber.semi_axes = {self.semi_axes}: an ellipsoid has three"
-            raise ConfigError(msg)
         for k, value in enumerate(self.semi_axes):
             checked_positive(f"fiber.semi_axes[{k}]", value, "m", "42e-6")
 
@@ -142,7 +138,7 @@ class EllipsoidResponse:
         return np.stack(parts, axis=-1)
 
     def surface_stress(self, gradient: ArrayLike) -> Array:
-        """Return ``Sigma/mu`` [1/s] in body axes, (..., 3, 3): the traction is ``Sigma n - p_inf n``.
+        """Return ``Sigma/mu`` [1/s], (..., 3, 3), for the traction ``Sigma n - p_inf n``.
 
         Parameters
         ----------
@@ -188,7 +184,7 @@ class EllipsoidResponse:
         return SurfaceExtremes(-high, -low, where_lowest, where_highest)
 
     def _where(self, normal: Array) -> Array:
-        """Return the eccentric vector of the points with given normals: ``x_i = a_i^2 n_i/|a n|``."""
+        """Return the eccentric vector where the normal is ``n``: ``x_i = a_i^2 n_i/|a n|``."""
         vector = normal * (self.semi_axes / np.max(self.semi_axes))
         vector = vector / np.linalg.norm(vector, axis=-1, keepdims=True)
         return np.asarray(np.where(vector[..., :1] < 0.0, -vector, vector))

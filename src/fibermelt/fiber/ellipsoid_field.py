@@ -1,9 +1,9 @@
 """Velocity and pressure all around a free ellipsoid in an unbounded melt.
 
-The potentials of `fibermelt.fiber.ellipsoid`, written out for points outside. ``lambda >= 0`` is the
-confocal ellipsoid through ``x``: ``sum x_i^2/(a_i^2 + lambda) = 1``. With ``y_i = x_i/(a_i^2 +
-lambda)``, ``Delta^2 = prod (a_i^2 + lambda)``, ``V = a_1 a_2 a_3``, integrals at ``lambda``, body axes
-(no sum over i; ``k`` summed),
+The potentials of `fibermelt.fiber.ellipsoid`, written out for points outside. ``lambda >= 0`` is
+the confocal ellipsoid through ``x``: ``sum x_i^2/(a_i^2 + lambda) = 1``. With ``V = a_1 a_2 a_3``,
+``y_i = x_i/(a_i^2 + lambda)``, ``Delta^2 = prod (a_i^2 + lambda)``, integrals at ``lambda``, and
+body axes (no sum over i; ``k`` summed),
 
     d_i Psi = -2 pi x_i I_i,    d_i lambda = 2 y_i/|y|^2,
     d_j d_k chi = 2 pi [delta_jk (...) - x_j x_k K_jk],

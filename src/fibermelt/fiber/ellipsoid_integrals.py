@@ -6,12 +6,12 @@ With ``x_i = a_i^2 + lambda`` and ``V = a_1 a_2 a_3``, all over ``s`` from 0 to 
     I_ij = V int ds / ((x_i + s)(x_j + s) Delta),
     K_ij = V int (lambda + s) ds / ((x_i + s)(x_j + s) Delta) = I_j - a_i^2 I_ij.
 
-On the surface ``I_i/2`` are the depolarisation factors, and Jeffery's ``alpha_0`` and ``gamma_0'``,
-``gamma_0''`` are ``I_1/V`` and ``I_12/V, K_12/V`` up to his numbering. ``I_i = (2 V/3) R_D(x_j, x_k,
-x_i)`` is Carlson's (1979, doi 10.1007/BF01396491), free of cancellation. ``I_ij = (I_i - I_j)/(x_j -
-x_i)`` is not: near the sphere, and far from any ellipsoid, the difference loses all digits. It is
-summed by panels of Gauss-Legendre in ``w = ln(1 + s/min x)``, where the integrand is positive and its nearest
-singularities lie ``pi`` off the axis for any ratio of the axes.
+On the surface ``I_i/2`` are the depolarisation factors, and Jeffery's ``alpha_0``, ``gamma_0'`` and
+``gamma_0''`` are ``I_1/V``, ``I_12/V`` and ``K_12/V``. ``I_i = (2 V/3) R_D(x_j, x_k, x_i)`` is
+Carlson's (1979, doi 10.1007/BF01396491), free of cancellation. ``I_ij = (I_i - I_j)/(x_j - x_i)``
+is not: near the sphere, and far from any ellipsoid, the difference loses all digits. It is summed
+by panels of Gauss-Legendre in ``w = ln(1 + s/min x)``, where the integrand is positive and its
+nearest singularities lie about ``pi`` off the axis for any ratio of the axes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import elliprd
 
 __all__ = ["EllipsoidIntegrals", "ellipsoid_integrals"]
 
@@ -70,12 +69,12 @@ def ellipsoid_integrals(semi_axes: Array, shift: Array) -> EllipsoidIntegrals:
     shift : (...) array
         ``lambda`` [m2], zero on the surface.
     """
+    from scipy.special import elliprd  # noqa: PLC0415  # a tenth of a second, on demand only
+
     square = np.square(semi_axes)
     x = square + np.asarray(shift, dtype=np.float64)[..., None]
     volume = float(np.prod(semi_axes))
-    single = (
-        2.0 / 3.0 * volume * elliprd(np.roll(x, -1, axis=-1), np.roll(x, -2, axis=-1), x)
-    )
+    single = 2.0 / 3.0 * volume * elliprd(np.roll(x, -1, axis=-1), np.roll(x, -2, axis=-1), x)
     flat = x.reshape(-1, 3)
     length = TAIL + math.log(float(np.max(square) / np.min(square)))
     nodes, weights = _rule(math.ceil(length / PANEL))

@@ -7,8 +7,8 @@
                - c_o (p.D p) identity,
 
 with ``c_a, c_s, c_t`` the answers to stretching along the axis, to shear of the axis and to strain
-across it, and ``c_o = N_a c_a - N_b c_t`` (depolarisation factors ``N``). ``p - p_inf = -n.Sigma n``
-at the point of normal ``n``, so that the extremes over the surface are eigenvalues. In the tips
+across it, and ``c_o = N_a c_a - N_b c_t`` (depolarisation factors ``N``). Where the normal is
+``n`` the pressure is ``p_inf - n.Sigma n``: its extremes over the surface are eigenvalues. At tips
 
     p_tip - p_inf = -mu (c_a - c_o) p.D p.
 
@@ -115,7 +115,7 @@ class SpheroidResponse:
         return np.asarray(0.5 * (along - back) + self.shape_factor * (strain - stretch * p))
 
     def angular_velocity(self, gradient: ArrayLike, direction: ArrayLike) -> Array:
-        """Return ``omega = Omega + xi p x (D p)`` [1/s], (..., 3), the spin about the axis included.
+        """Return ``omega = Omega + xi p x (D p)`` [1/s], (..., 3), with the spin about the axis.
 
         About its axis the spheroid turns with the melt, ``omega.p = Omega.p``.
         """
@@ -164,6 +164,12 @@ class SpheroidResponse:
                 for k, part in enumerate(self._eccentric(normal, axis)):
                     place[(*block, ..., k)] = part
         return SurfaceExtremes(lowest, highest, *places)
+
+    def eccentric_angle(self, where: ArrayLike, direction: ArrayLike) -> Array:
+        """Return how far from the tip a place of `extremes` is [rad], 0 to pi/2 at the equator."""
+        e, p = checked_unit(where, "where"), checked_unit(direction)
+        across = np.linalg.norm(np.cross(e, p), axis=-1)
+        return np.asarray(np.arctan2(across, np.abs(np.einsum("...i,...i->...", e, p))))
 
     def bounds(self, gradient: ArrayLike) -> tuple[Array, Array]:
         """Return the lowest and the highest ``(p - p_inf)/mu`` [1/s] over every direction.

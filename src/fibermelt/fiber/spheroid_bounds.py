@@ -1,7 +1,7 @@
 """The worst pressure over every direction of a spheroid, in closed form.
 
 The surface pressure at normal ``n`` of a spheroid of director ``p`` is linear in the strain rate,
-``(p - p_inf)/mu = G : D``. With ``n = cos(alpha) p + sin(alpha) m``, ``m`` at right angles to ``p``,
+``(p - p_inf)/mu = G : D``. With ``n = cos(alpha) p + sin(alpha) m``, ``m`` a unit vector across,
 
     G = (c_o - c_a cos^2) p p - c_s sin cos (p m + m p) - c_t sin^2 m m,
 
@@ -10,9 +10,9 @@ whose eigenvalues are ``M + R``, ``M - R`` and 0, functions of ``x = cos 2 alpha
     2 M = c_o - (c_a + c_t)/2 - (c_a - c_t) x/2,
     4 R^2 = (c_o - (c_a - c_t)/2 - (c_a + c_t) x/2)^2 + c_s^2 (1 - x^2).
 
-Turning ``p`` and ``m`` turns ``G``; by von Neumann's trace inequality the largest ``G : D`` over all
-turns pairs the eigenvalues of ``G`` and ``D`` in order. With the eigenvalues ``d_1 >= d_2 >= d_3`` of
-``D`` (sum zero) the bound is therefore the maximum of
+Turning ``p`` and ``m`` turns ``G``; by von Neumann's trace inequality the largest ``G : D`` over
+all turns pairs the eigenvalues of ``G`` and ``D`` in order. With those of ``D``, ``d_1 >= d_2 >=
+d_3`` of sum zero, the bound is therefore the maximum of
 
     -d_k M(x) + (d_i - d_j) R(x),    d_i >= d_j,
 
@@ -67,15 +67,15 @@ def _stationary(slope: Array, weight: Array, root: tuple[float, float, float]) -
     """Return where ``slope x + weight sqrt(Q(x))`` may be stationary, moved into [-1, 1].
 
     ``Q = q0 + 2 h x + q2 x^2``: squaring ``slope sqrt(Q) = -weight (q2 x + h)`` gives
-    ``q2 t x^2 + 2 h t x + weight^2 h^2 - slope^2 q0 = 0``, ``t = weight^2 q2 - slope^2``. Where it has no
-    root, or the root lies outside, an end is returned.
+    ``q2 t x^2 + 2 h t x + weight^2 h^2 - slope^2 q0 = 0``, ``t = weight^2 q2 - slope^2``. Where it
+    has no root, or the root lies outside, an end or another admissible point is returned.
     """
     q0, h, q2 = root
     t = weight * weight * q2 - slope * slope
     a, b, c = q2 * t, h * t, weight * weight * h * h - slope * slope * q0
-    sum_ = -(b + np.where(b >= 0.0, 1.0, -1.0) * np.sqrt(np.maximum(b * b - a * c, 0.0)))
+    combined = -(b + np.where(b >= 0.0, 1.0, -1.0) * np.sqrt(np.maximum(b * b - a * c, 0.0)))
     candidates = []
-    for above, below in ((sum_, a), (c, sum_)):
+    for above, below in ((combined, a), (c, combined)):
         safe = np.abs(above) < np.abs(below)
         x = np.where(safe, above / np.where(safe, below, 1.0), 1.0)
         candidates.append(x)

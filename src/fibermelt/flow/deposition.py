@@ -18,7 +18,7 @@ from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
-from fibermelt.flow.recover import field_of
+from fibermelt.flow.recover import field_of, with_error
 
 __all__ = ["FlowError", "FlowSolution", "solve_deposition"]
 
@@ -323,17 +323,19 @@ def solve_deposition(
     _check_climb(problem, surfaces)
     middle, surfaces = search.converge(surfaces, numerics.coarsened(MIDDLE))
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
+    units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
+    coarser = field_of(middle, *units)
     flow, surfaces = search.converge(surfaces, numerics)
     _check_climb(problem, surfaces)
 
-    width, speed = problem.nozzle.capillary_width, problem.bed_speed
-    stress = problem.melt.viscosity * speed / width
+    width, speed, viscosity = units
+    stress = viscosity * speed / width
     contact, heel = surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min()
     pressure = _inlet_pressure(flow)
     height = float(surfaces.downstream[-1, 1]) * width
     return FlowSolution(
         problem=problem,
-        field=field_of(flow, width, speed, problem.melt.viscosity),
+        field=with_error(field_of(flow, *units), coarser),
         upstream_surface=surfaces.upstream * width,
         downstream_surface=surfaces.downstream * width,
         bead_height=height,

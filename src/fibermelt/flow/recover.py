@@ -1,18 +1,20 @@
-"""From the solver's spaces to plain arrays: gradient, stream function and nodal values."""
+"""From the solver's spaces to plain arrays: gradient, stream function, nodal values, error."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.lagrange import LagrangeTriangle
 
-__all__ = ["field_of"]
+__all__ = ["field_of", "with_error"]
 
 Array = NDArray[np.float64]
 
@@ -125,4 +127,20 @@ def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: floa
         pressure=values[:, 4] * (viscosity * speed / length),
         gradient=L * (speed / length),
         stream_function=stream * (speed * length),
+        gradient_error=np.zeros(len(values)),
     )
+
+
+def with_error(field: FlowField, coarser: FlowField) -> FlowField:
+    """Return ``field`` with its gradient's error estimated: what differs from a coarser mesh's.
+
+    Nodes that the coarser mesh does not hold (the surfaces differ by their error) take the error
+    of the nearest node that it does.
+    """
+    place = coarser.locate(field.points)
+    difference = field.gradient - coarser.evaluate(coarser.gradient, place)
+    error = np.linalg.norm(difference, axis=(1, 2))
+    known = place.found
+    nearest = cKDTree(field.points[known]).query(field.points[~known])[1]
+    error[~known] = error[known][nearest]
+    return replace(field, gradient_error=error)

@@ -47,6 +47,8 @@ class Streamline:
         What a material point meets on it.
     stream_function : (n,) array
         ``psi`` along it [m2/s]; constant but for discretisation.
+    gradient_error : (n,) array
+        Estimated error of the velocity gradient along it [1/s].
     drift : float
         Largest change of ``psi`` along it, in parts of the flux.
     near_singularity : bool
@@ -61,6 +63,7 @@ class Streamline:
     flux_fraction: float
     history: FlowHistory
     stream_function: Array
+    gradient_error: Array
     drift: float
     near_singularity: bool
     middle_time: float
@@ -93,8 +96,8 @@ def _settled(history: FlowHistory, bed_speed: float) -> float:
     return float(history.time[min(unsettled[-1] + 1, len(history) - 1)])
 
 
-def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Array]:
-    """Return the history at ``count`` points of ``path``, and the stream function there.
+def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Array, Array]:
+    """Return the history at ``count`` points of ``path``, stream function and error there.
 
     Points are spread evenly over the mean of two measures, each scaled to one: arclength, and the
     strain ``int gamma_dot dt`` that turns the fiber.
@@ -119,7 +122,8 @@ def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Arr
         gradient=gradient,
         pressure=field.evaluate(field.pressure, place),
     )
-    return history, field.evaluate(field.stream_function, place)
+    psi, error = (field.evaluate(f, place) for f in (field.stream_function, field.gradient_error))
+    return history, psi, error
 
 
 def trace_streamlines(
@@ -150,7 +154,7 @@ def trace_streamlines(
     )
     lines = []
     for k, path in enumerate(paths):
-        history, psi = _history(field, path, points)
+        history, psi, error = _history(field, path, points)
         near = np.linalg.norm(history.position[:, None] - corners, axis=2).min()
         y, time = history.position[:, 1], history.time
         levels = (nozzle.capillary_entrance, nozzle.gap)
@@ -161,6 +165,7 @@ def trace_streamlines(
                 flux_fraction=float(fraction[k]),
                 history=history,
                 stream_function=psi,
+                gradient_error=error,
                 drift=float(np.ptp(psi)) / solution.problem.flux,
                 near_singularity=bool(near < NEAR_SINGULARITY * width),
                 middle_time=_first_below(y, time, nozzle.gap + nozzle.capillary_length / 2),

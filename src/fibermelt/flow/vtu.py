@@ -46,6 +46,7 @@ def write_vtu(field: FlowField, path: Path) -> None:
         _array("velocity_gradient", gradient.reshape(-1, 9)),
         _array("shear_rate", field.shear_rate),
         _array("stream_function", field.stream_function),
+        _array("velocity_gradient_error", field.gradient_error),
     ]
     cells = [
         _array("connectivity", field.cells.reshape(-1).astype(np.int64)),

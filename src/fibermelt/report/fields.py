@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import TriMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
 from fibermelt.report.scene import (
@@ -51,6 +51,10 @@ the flow is singular and no scale would hold it."""
 
 MPA = 1e-6
 """Megapascals in a pascal."""
+
+BELOW = 0.25
+"""The map of the melt's pressure goes this far below the atmosphere's, in parts of how far above:
+what is below is little and matters most."""
 
 DECADES = 3.0
 """Orders of magnitude that the map of the rate of deformation spans."""
@@ -96,7 +100,7 @@ def figure_maps(results: xr.Dataset) -> Figure:
             "c  pressure of the melt",
             "p [MPa], atmosphere = 0",
             pressure,
-            Normalize(-high, high),
+            TwoSlopeNorm(0.0, -BELOW * high, high),
             ATMOSPHERE,
             "both",
         ),
@@ -112,7 +116,9 @@ def figure_maps(results: xr.Dataset) -> Figure:
         field = _map(near, scene, scene.exit, values, norm, cmap)
         scale_bar(near, scene.exit, height=0.8, share=0.2)
         bar = add_axes(figure, left + 3, 11, wide - 6, 2)
-        color_bar(field, bar, unit, extend=extend)
+        scale = color_bar(field, bar, unit, extend=extend)
+        if isinstance(norm, TwoSlopeNorm):
+            scale.set_ticks([-BELOW * high, 0.0, 0.5 * high, high])
     return figure
 
 
@@ -134,21 +140,22 @@ def figure_gradients(results: xr.Dataset) -> Figure:
     """Draw the four components of the velocity gradient near the nozzle's exit."""
     scene = read_scene(results)
     gradient = results["node_gradient"].to_numpy()
-    diagonal, shear = _gradient_limits(results, scene)
-    figure = new_figure(FULL, 107)
-    wide, upper, lower = 82.0, 61.0, 10.0
-    places = ((2.0, upper), (106.0 - 18.0 - 2.0, upper), (2.0, lower), (86.0, lower))
-    for (name, row, column), (left, bottom) in zip(GRADIENTS, places, strict=True):
-        limit = diagonal if row == column else shear
-        axes = scene_axes(figure, left, bottom, wide, scene.exit)
-        values = gradient[:, row, column]
+    limits = _gradient_limits(results, scene)
+    high, wide = scene.exit.size
+    panel = 92.0
+    tall = panel * wide / high
+    figure = new_figure(FULL, 13.0 + 2 * (tall + 6.0))
+    for k, (name, row, column) in enumerate(GRADIENTS):
+        left, bottom = 2.0 + (k % 2) * (panel + 2.0), 13.0 + (1 - k // 2) * (tall + 6.0)
+        axes = scene_axes(figure, left, bottom, panel, scene.exit)
+        shear = row != column
+        values, limit = gradient[:, row, column], limits[shear]
         field = _map(axes, scene, scene.exit, values, Normalize(-limit, limit), DIVERGING)
-        letter(axes, f"{name} [1/s]")
-        if left == 2.0 and bottom == lower:
-            scale_bar(axes, scene.exit, height=0.8, share=0.2)
-        if row == 0:
-            continue
-    del field
+        letter(axes, name)
+        scale_bar(axes, scene.exit, height=0.8, share=0.2)
+        if k < 2:
+            bar = add_axes(figure, left + 6, 8.5, panel - 12, 2)
+            color_bar(field, bar, "b and c [1/s]" if shear else "a and d [1/s]", extend="both")
     return figure
 
 
@@ -160,3 +167,45 @@ def _gradient_limits(results: xr.Dataset, scene: Scene) -> tuple[float, float]:
         ends = [share_within(*by_area(scene, L[:, i, j], scene.exit), SHARE) for i, j in pair]
         limits.append(round_up(max(ends)))
     return limits[0], limits[1]
+
+
+def maps_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_maps`."""
+    speed = _scalars(results)[0]
+    inlet = MPA * float(results["inlet_pressure"])
+    return Words(
+        caption=(
+            "The flow in the whole domain and, larger, near the nozzle's exit: (a) speed, (b) "
+            "scalar rate of deformation on a logarithmic scale, (c) pressure of the melt above the "
+            "atmosphere's, red where the melt itself is below it (mind the two halves of the scale). "
+            "Arrow-shaped ends of a scale: "
+            "there is more beyond it, at the corners without bound."
+        ),
+        alt=(
+            f"Three maps. The speed is highest in the capillary, {speed.max():.0f} mm/s, low at "
+            "the wall and uniform in the bead. The rate of deformation is high along the "
+            "capillary's walls and around the lips and vanishes in the bead. The pressure falls "
+            f"from {inlet:.2f} MPa at the inlet along the capillary to nothing in the bead."
+        ),
+    )
+
+
+def gradients_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_gradients`."""
+    normal, shear = _gradient_limits(results, read_scene(results))
+    return Words(
+        caption=(
+            "Components of the velocity gradient near the nozzle's exit. Scales are symmetric and "
+            f"shared: ±{normal:g} 1/s for (a) and (d), which sum to zero, ±{shear:g} 1/s for (b) "
+            f"and (c). In each panel at least {100 * SHARE:.0f} % of the area shown lies within; "
+            "the rest is painted in the scale's last colours: at lips, contact point and "
+            "capillary entrance the gradient is singular, and what is computed there depends on "
+            "the mesh."
+        ),
+        alt=(
+            "Four maps of the capillary's end and the gap. In the capillary only the change of the "
+            "vertical speed across it (b) counts, with opposite signs at the two walls. In the gap "
+            "the melt is stretched along the bed (a) and pressed against it (d). All components "
+            "are largest at the two lips and at the contact point and fade in the bead downstream."
+        ),
+    )

@@ -61,7 +61,7 @@ MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 10.0, 8.5, 136.0
 """Where the scene stands in a figure across the page [mm]."""
 
 STRAIGHT = 2e-3
-"""An edge that bends less than this [mm] is drawn straight: a tenth of a line's width."""
+"""An edge that bends less than this [mm] is drawn straight: a fraction of a line's width."""
 
 SIDES = (
     "left wall",
@@ -334,13 +334,13 @@ def scale_bar(axes: Axes, window: Window, *, height: float = 0.08, share: float 
     )
 
 
-def curves(points: Array, edges: Index) -> Path:
-    """Return edges (n, k) as one path; those that are straight by their two ends only."""
+def curves(points: Array, edges: Index, straight: float = STRAIGHT) -> Path:
+    """Return edges (n, k) as one path; those that bend less than ``straight`` by their ends."""
     lines = points[edges]
     chord = lines[:, -1] - lines[:, 0]
     away = lines - lines[:, :1]
     bend = np.abs(away[..., 0] * chord[:, None, 1] - away[..., 1] * chord[:, None, 0])
-    bent = bend.max(axis=1) > STRAIGHT * np.hypot(*chord.T)
+    bent = bend.max(axis=1) > straight * np.hypot(*chord.T)
     pieces = [line for line in lines[~bent][:, [0, -1]]] + list(lines[bent])  # noqa: C416
     codes = [np.r_[Path.MOVETO, np.full(len(p) - 1, Path.LINETO)] for p in pieces]
     return Path(np.vstack(pieces), np.concatenate(codes).astype(np.uint8))

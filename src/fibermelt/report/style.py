@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Concatenate, ParamSpec
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -49,9 +48,10 @@ __all__ = [
     "color_bar",
     "letter",
     "new_figure",
+    "round_up",
     "save",
+    "share_within",
     "styled",
-    "symmetric",
 ]
 
 Array = NDArray[np.float64]
@@ -183,29 +183,27 @@ def letter(axes: Axes, text: str, *, inside: bool = False) -> None:
     )
 
 
-def symmetric(values: Array, weights: Array, share: float) -> Normalize:
-    """Return a colour scale around zero that holds a share of the values, by weight.
+def share_within(values: Array, weights: Array, share: float) -> float:
+    """Return the magnitude that a share of the values does not exceed, by weight.
 
     Parameters
     ----------
     values, weights : (n,) arrays
         What is to be drawn, and on how much area each value stands.
     share : float
-        Share of the area whose values lie within the scale's ends, 0 to 1; the ends are rounded
-        up to one digit and a half.
+        Share of the area, 0 to 1.
     """
     size = np.abs(values)
     order = np.argsort(size)
     total = np.cumsum(weights[order])
-    limit = float(size[order][np.searchsorted(total, share * total[-1])])
-    end = _round_up(limit)
-    return Normalize(-end, end)
+    return float(size[order][np.searchsorted(total, share * total[-1])])
 
 
-def _round_up(value: float) -> float:
+def round_up(value: float) -> float:
     """Return the least of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten that is not below."""
     power = 10.0 ** np.floor(np.log10(value))
     steps = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
+    # The tolerance is rounding's: 0.3 / 0.1 must stay 3, not become 4.
     return float(power * steps[np.searchsorted(steps, value / power * (1 - 1e-12))])
 
 

@@ -45,7 +45,7 @@ SCALARS = (
     "elements",
 )
 ERRORS = ("contact_point", "heel", "inlet_pressure")
-FIELDS = ("velocity", "pressure", "gradient", "stream_function")
+FIELDS = ("velocity", "pressure", "gradient", "stream_function", "gradient_error")
 
 
 def _problem(parameters: Parameters) -> Deposition:
@@ -138,6 +138,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "gradient": along("gradient"),
             "shear_rate": along("shear_rate"),
             "stream_function": stacked("stream_function"),
+            "gradient_error": stacked("gradient_error"),
             "stream_function_drift": stacked("drift"),
             "near_singularity": stacked("near_singularity").astype(np.int8),
             "zone": np.arange(1, 4),

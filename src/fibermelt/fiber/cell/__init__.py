@@ -2,8 +2,9 @@
 
 The paper's micro-model (section 2.2, Fig. 5): no slip on the fiber, far field ``u = D x`` on the
 circle of radius ``R = M a/2`` in the fiber's axes (Eq. 5 without rotation and translation, which
-do nothing to the pressure), rigid and torque-free fiber. Curved quadrilaterals, velocity of order
-k, continuous pressure of order k - 1 (Taylor and Hood), interior unknowns condensed.
+do nothing to the pressure), rigid and torque-free fiber. Curved quadrilaterals, or the paper's own
+triangles, velocity of order k, continuous pressure of order k - 1 (Taylor and Hood), interior
+unknowns condensed.
 
 This package is the only place of the fiber's side that loads the finite elements; what it returns
 (`fibermelt.fiber.cell_data`) does without them.

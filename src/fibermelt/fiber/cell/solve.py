@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell.mesh import CurvedMesh, curved_mesh
 from fibermelt.fiber.cell.stokes import Fields, Modes, sample_fields, solve_modes
+from fibermelt.fiber.cell.triangles import paper_mesh
 from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution
 from fibermelt.fiber.cell_grid import CellGrid
-from fibermelt.fiber.cell_surface import project_harmonics, surface_angles
+from fibermelt.fiber.cell_paper import PaperGrid
+from fibermelt.fiber.cell_surface import surface_basis
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
 
@@ -48,33 +50,31 @@ def solve_cell(
     """
     numerics = CellNumerics() if numerics is None else numerics
     grid = cell_grid(fiber, domain_size, numerics)
-    mesh = curved_mesh(grid, numerics.order)
+    mesh = cell_mesh(grid, numerics.velocity_order)
     modes = solve_modes(mesh)
     fields = sample_fields(mesh, modes, numerics)
     response = _response(fiber, mesh, modes, fields)
     estimate = None
     if numerics.estimate:
-        finer = curved_mesh(grid, numerics.order + 1)
-        finer_modes = solve_modes(finer)
-        finer_fields = sample_fields(finer, finer_modes, numerics)
-        estimate = _compare(response, _response(fiber, finer, finer_modes, finer_fields))
-    cells, edges = _drawing(grid, numerics.order)
+        estimate = _compare(response, _finer(fiber, domain_size, numerics))
+    cells, edges = _drawing(mesh)
     return CellSolution(
         response=response,
         domain_size=domain_size,
         error_estimate=estimate,
         unknowns=modes.unknowns,
-        elements=grid.columns * grid.rows,
+        elements=mesh.mesh.ne,
         residual=modes.residual,
         points=fields.points.reshape(-1, 2),
         cells=cells,
         element_edges=edges,
         velocity=fields.velocity.reshape(-1, 2, 2),
         pressure=fields.pressure.reshape(-1, 2),
+        handedness=modes.handedness,
     )
 
 
-def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid:
+def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid | PaperGrid:
     """Return the grid of a cell; refuse one that cannot hold its fiber (`ConfigError`)."""
     if not (np.isfinite(domain_size) and domain_size > 2):
         msg = (
@@ -82,6 +82,8 @@ def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> Cel
             "and must exceed one, or the fiber is larger than its cell; the paper takes 4"
         )
         raise ConfigError(msg)
+    if numerics.mesh == "paper":
+        return PaperGrid(1.0 / fiber.aspect_ratio, 0.5 * domain_size)
     return CellGrid(
         1.0 / fiber.aspect_ratio,
         0.5 * domain_size,
@@ -90,25 +92,44 @@ def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> Cel
     )
 
 
+def cell_mesh(grid: CellGrid | PaperGrid, order: int) -> CurvedMesh:
+    """Return the elements of a grid; the paper's have an order of their own."""
+    return paper_mesh(grid) if isinstance(grid, PaperGrid) else curved_mesh(grid, order)
+
+
+def _finer(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> FiberResponse:
+    """Return the response that a solution is compared with, as `CellError` says."""
+    if numerics.mesh == "paper":
+        order = CellNumerics().order
+        grid = cell_grid(fiber, domain_size, CellNumerics())
+    else:
+        order = numerics.order + 1
+        grid = cell_grid(fiber, domain_size, numerics)
+    mesh = cell_mesh(grid, order)
+    modes = solve_modes(mesh)
+    return _response(fiber, mesh, modes, sample_fields(mesh, modes, numerics))
+
+
 def _response(fiber: Ellipse, mesh: CurvedMesh, modes: Modes, fields: Fields) -> FiberResponse:
     """Return shape factor and surface pressure as the fiber's response."""
-    basis = project_harmonics(mesh.grid, mesh.order, fields.pressure[:, 0, :])
-    angles = surface_angles(mesh.grid)
+    angles, basis = surface_basis(mesh.grid, mesh.order, fields.pressure[:, 0, :])
     return FiberResponse(fiber.aspect_ratio, modes.shape_factor, angles, basis)
 
 
 def _compare(coarse: FiberResponse, fine: FiberResponse) -> CellError:
     """Return the differences of two solutions, scaled as `CellError` says."""
     largest = fine.curve.farthest
+    difference = coarse.basis - fine.curve.point(coarse.surface)
     return CellError(
         shape_factor=abs(coarse.shape_factor - fine.shape_factor),
         tip_pressure=abs(coarse.tip_pressure / fine.tip_pressure - 1.0),
-        surface_pressure=float(np.max(np.abs(coarse.basis - fine.basis))) / largest,
+        surface_pressure=float(np.max(np.abs(difference))) / largest,
     )
 
 
-def _drawing(grid: CellGrid, order: int) -> tuple[Index, Index]:
+def _drawing(mesh: CurvedMesh) -> tuple[Index, Index]:
     """Return triangles and element edges of the sampled nodes, as flat indices."""
+    grid, order = mesh.grid, mesh.order
     around, outward = grid.columns * order, grid.rows * order + 1
     node = np.arange(around * outward).reshape(around, outward)
     following = np.roll(node, -1, axis=0)
@@ -116,8 +137,11 @@ def _drawing(grid: CellGrid, order: int) -> tuple[Index, Index]:
     c, d = following[:, 1:].ravel(), following[:, :-1].ravel()
     cells = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
     steps = np.arange(order + 1)
-    starts = np.arange(0, around, order)
-    rays = node[starts][:, np.arange(0, outward - 1, order)[:, None] + steps]
+    starts, rows = np.arange(0, around, order), np.arange(0, outward - 1, order)
+    rays = node[starts][:, rows[:, None] + steps]
     rings = node[(starts[:, None] + steps) % around][:, :, ::order]
     edges = [rays.reshape(-1, order + 1), np.moveaxis(rings, 1, -1).reshape(-1, order + 1)]
+    if isinstance(grid, PaperGrid):
+        ahead = (starts[:, None, None] + steps) % around
+        edges.append(node[ahead, rows[:, None] + steps].reshape(-1, order + 1))
     return cells, np.concatenate(edges)

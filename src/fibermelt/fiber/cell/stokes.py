@@ -34,9 +34,13 @@ RESIDUAL_TOLERANCE = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Discrete solutions of the two modes with what was measured on the way."""
+    """Discrete solutions of the two modes with what was measured on the way.
+
+    ``handedness`` is the spin at unit ``D_11``: zero on a mesh that is its own mirror image.
+    """
 
     shape_factor: float
+    handedness: float
     functions: tuple[Any, Any]
     unknowns: int
     residual: float
@@ -86,10 +90,11 @@ def solve_modes(mesh: CurvedMesh) -> Modes:
     rotation = ng.GridFunction(space)
     rotation.components[0].Set(turn, definedon=mesh.mesh.Boundaries("fiber"))
     torque = [ng.InnerProduct(reaction, rotation.vec) for reaction in reactions]
-    factor = -torque[1] / torque[2]
-    solutions[1].vec.data += factor * solutions[2].vec
+    spins = [float(-moment / torque[2]) for moment in torque[:2]]
+    for solution, spin in zip(solutions[:2], spins, strict=True):
+        solution.vec.data += spin * solutions[2].vec
     unknowns = sum(space.FreeDofs())
-    return Modes(float(factor), (solutions[0], solutions[1]), int(unknowns), float(residual))
+    return Modes(spins[1], spins[0], (solutions[0], solutions[1]), int(unknowns), float(residual))
 
 
 @dataclass(frozen=True, eq=False)

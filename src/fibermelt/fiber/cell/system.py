@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fibermelt.fiber.cell.mesh import CurvedMesh, curved_mesh, sample_nodes
-from fibermelt.fiber.cell.solve import cell_grid, solve_cell
+from fibermelt.fiber.cell.mesh import CurvedMesh, sample_nodes
+from fibermelt.fiber.cell.solve import cell_grid, cell_mesh, solve_cell
 from fibermelt.fiber.cell.stokes import COMPRESSIBILITY, stokes
 from fibermelt.fiber.cell_data import CellNumerics, CellSystem
-from fibermelt.fiber.cell_surface import project_harmonics
+from fibermelt.fiber.cell_surface import surface_values
 from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["build_system"]
@@ -45,7 +45,7 @@ def build_system(
     """
     numerics = replace(CellNumerics() if numerics is None else numerics, estimate=False)
     response = solve_cell(fiber, domain_size, numerics).response
-    mesh = curved_mesh(cell_grid(fiber, domain_size, numerics), numerics.order)
+    mesh = cell_mesh(cell_grid(fiber, domain_size, numerics), numerics.velocity_order)
     space, form = stokes(mesh, condense=False, compressibility=COMPRESSIBILITY)
     rows, columns, values = (np.array(part) for part in form.mat.COO())
     matrix = sparse.csr_matrix((values, (rows, columns)), shape=(space.ndof, space.ndof))
@@ -133,10 +133,11 @@ def _far_node(mesh: CurvedMesh, space: Any) -> Array:
 
 
 def _surface_pressure(mesh: CurvedMesh, space: Any) -> Any:
-    """Return the operator from the unknowns to the surface pressure of `project_harmonics`.
+    """Return the operator from the unknowns to the pressure at the response's surface points.
 
-    The pressure of every single unknown on the fiber is sampled and projected: its even part on
-    cosines, its odd part on sines.
+    The pressure of every single unknown on the fiber is sampled and treated like the modes in
+    `surface_basis`: on the graded mesh its even part is projected on cosines, its odd part on
+    sines; on the paper's mesh the vertices are read.
     """
     mapped, around, outward = sample_nodes(mesh)
     unknowns = np.flatnonzero(np.array(space.components[1].GetDofs(mesh.mesh.Boundaries("fiber"))))
@@ -147,9 +148,8 @@ def _surface_pressure(mesh: CurvedMesh, space: Any) -> Any:
         single.vec[:] = 0.0
         single.vec[int(unknown)] = 1.0
         samples[around[surface], k] = np.asarray(single(mapped)).ravel()[surface]
-    both = project_harmonics(mesh.grid, mesh.order, np.stack([samples, samples], axis=-1))
-    m = both.shape[0]
+    values = surface_values(mesh.grid, mesh.order, samples)
+    m = values.shape[0]
     rows, columns = (part.ravel() for part in np.indices((m, unknowns.size)))
-    values = both.sum(axis=-1).ravel()
     where = (rows, unknowns[columns] + space.Range(1).start)
-    return sparse.csr_matrix((values, where), shape=(m, space.ndof))
+    return sparse.csr_matrix((values.ravel(), where), shape=(m, space.ndof))
