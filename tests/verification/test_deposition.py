@@ -120,7 +120,7 @@ def test_streamlines_are_ordered_and_slow_at_the_edges(
 
 
 def test_gradient_error_is_stated_where_it_is_large(paper_lines: tuple[Streamline, ...]) -> None:
-    """Half a per cent of the largest gradient on most lines; the most on those that pass the singular corners."""
+    """Half a per cent of the largest gradient on most lines, the most near a singular corner."""
     share = np.array(
         [
             line.gradient_error.max() / np.linalg.norm(line.history.gradient, axis=(1, 2)).max()

@@ -50,7 +50,7 @@ from fibermelt.fiber.motion import (
     isotropic_angles,
     paper_angles,
 )
-from fibermelt.fiber.newton import NewtonMotion, follow_newton
+from fibermelt.fiber.newton_motion import NewtonMotion, follow_newton
 from fibermelt.fiber.orbits import (
     equal_area_directions,
     jeffery_director,

@@ -77,7 +77,7 @@ class PaperGrid:
     def depths(self) -> Array:
         """Return the nodes' fractions of the way to the cell's edge [-], (61,)."""
         ends = np.concatenate([[0.0], np.cumsum(BIAS ** np.arange(UNIT_CELLS))])
-        return ends / ends[-1]
+        return np.asarray(ends / ends[-1])
 
     def nodes(self) -> Array:
         """Return all nodes [a]: around, outward, component; shape (60, 61, 2)."""

@@ -30,7 +30,7 @@ def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
     ------
     HistoryError
         If the shape is another, a component is not finite, or a trace is above
-        `fibermelt.history.TRACE_TOLERANCE` of the gradient's size.
+        `fibermelt.history.TRACE_TOLERANCE` of the sum of the components' magnitudes.
     """
     L = np.asarray(gradient, dtype=np.float64)
     if L.shape[-2:] != (dimension, dimension):
@@ -42,12 +42,13 @@ def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
         msg = f"gradient{_place(where)} = {L[where].tolist()} is not finite"
         raise HistoryError(msg)
     trace = np.abs(np.trace(L, axis1=-2, axis2=-1))
-    traced = trace > TRACE_TOLERANCE * np.sqrt(np.einsum("...ij,...ij->...", L, L))
+    # a sum of magnitudes, unlike one of squares, does not underflow; it is never below |L|
+    traced = trace > TRACE_TOLERANCE * np.sum(np.abs(L), axis=(-2, -1))
     if np.any(traced):
         where = _first(traced)
         msg = (
             f"gradient{_place(where)} has trace {np.trace(L[where]):.3g} 1/s; an incompressible "
-            f"melt has none (bound {TRACE_TOLERANCE:g} |L|): remove it before"
+            f"melt has none (bound {TRACE_TOLERANCE:g} of sum |L_ij|): remove it before"
         )
         raise HistoryError(msg)
     return L

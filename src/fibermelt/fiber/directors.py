@@ -64,8 +64,8 @@ class DirectorMotion:
         Unit vectors along the path. The sign goes on from the start: a fiber that has made half a
         turn points backwards.
     log_stretch : (..., n_directions, n) array
-        ``ln |F p_0|`` [-]. An isotropic start has the density ``exp(-3 log_stretch)`` over its own
-        at the fiber's direction (``det F = 1``).
+        ``ln |F p_0|`` [-]. Fibers that start isotropic have the density ``exp(3 log_stretch)``
+        over that start's where they are (``det F = 1``).
     substeps : int
         Largest number of sub-steps that an interval took.
     """
@@ -128,16 +128,19 @@ def _carry(time: Array, maps: Array, scale: Array, start: Array) -> tuple[Array,
     direction[..., 0, :] = here
     for k in range(n - 1):
         image = here @ np.swapaxes(maps[..., k, :, :], -1, -2)
-        length = np.sqrt(np.einsum("...i,...i->...", image, image))
-        if not np.all(length > 0.0):
+        largest = np.max(np.abs(image), axis=-1)
+        if not np.all(largest > 0.0):
             msg = (
                 f"fiber motion: the interval from t = {np.min(time[..., k]):.6g} s shrinks a "
                 "director to nothing (by more than exp(700)): give the history more points there"
             )
             raise ConvergenceError(msg)
-        here = image / length[..., None]
+        here = image / largest[..., None]  # squares of what is small would underflow
+        length = np.sqrt(np.einsum("...i,...i->...", here, here))
+        here = here / length[..., None]
         direction[..., k + 1, :] = here
-        stretch[..., k + 1] = stretch[..., k] + np.log(length) + scale[..., None, k]
+        rise = np.log(largest) + np.log(length) + scale[..., None, k]
+        stretch[..., k + 1] = stretch[..., k] + rise
     return direction, stretch
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.motion import Motion, angle_to_stream
+from fibermelt.fiber.motion import Turning, angle_to_stream
 from fibermelt.fiber.paths import Path
-from fibermelt.fiber.pressure import PressureBounds, SurfacePressure
+from fibermelt.fiber.pressure import PressureBounds, SurfaceExtremes
 
 __all__ = [
     "KINDS",
@@ -91,7 +91,7 @@ class ExtremeStatistics:
 
 
 def extremes(
-    path: Path, pressure: SurfacePressure, motion: Motion, middle_time: float | Array
+    path: Path, pressure: SurfaceExtremes, motion: Turning, middle_time: float | Array
 ) -> Extremes:
     """Find the pressure extremes of every fiber at both locations.
 
@@ -99,10 +99,10 @@ def extremes(
     ----------
     path : FlowHistory or PathBundle
         The path that the fibers were followed along.
-    pressure : SurfacePressure
-        Their surface pressure along it.
-    motion : Motion
-        Their angles along it.
+    pressure : SurfaceExtremes
+        Their surface pressure along it: a `SurfacePressure`, or a `NewtonMotion`.
+    motion : Turning
+        Their angles along it: a `Motion`, or the same `NewtonMotion`.
     middle_time : float or (...) array
         Time at the middle of the capillary [s]: Loc. 1 is before, Loc. 2 from there on.
 
@@ -120,8 +120,6 @@ def extremes(
     index = np.stack(picked, axis=-2)
     value = _pick_kinds(pressure.lowest, pressure.highest, index)
     along = _picker(index)
-    phase = along(pressure.phase)
-    phase[..., 0] += np.pi
     return Extremes(
         value=value,
         time=along(path.time[..., None, :]),
@@ -129,7 +127,7 @@ def extremes(
         y=along(path.position[..., None, :, 1]),
         pressure=value + along(path.pressure[..., None, :]),
         angle=along(angle_to_stream(path, motion)),
-        where=pressure.response.support.where_exact(phase),
+        where=pressure.where_at(index),
         index=index,
     )
 

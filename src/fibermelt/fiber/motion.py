@@ -9,6 +9,7 @@ The gradient between the path's points, and the error control, are in `fibermelt
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,10 @@ from fibermelt.fiber.propagator import Propagator, cumulate
 
 __all__ = [
     "Motion",
+    "Turning",
     "angle_to_stream",
     "angle_to_stream_at",
+    "checked_angles",
     "follow",
     "isotropic_angles",
     "paper_angles",
@@ -45,6 +48,18 @@ def isotropic_angles(count: int) -> Array:
         msg = f"count = {count}: an isotropic start needs at least 1 direction"
         raise ConfigError(msg)
     return np.pi * ((np.arange(count) + 0.5) / count - 0.5)
+
+
+class Turning(Protocol):
+    """Fibers' angles along a path, by whichever way they were followed."""
+
+    @property
+    def angle(self) -> Array:
+        """Angle [rad] from the x axis, continuous in time, shape (..., n_angles, n)."""
+
+    @property
+    def spin(self) -> Array:
+        """Rate of the angle [1/s], shape (..., n_angles, n)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +121,7 @@ def follow(
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
-    angles = np.asarray(initial_angles, dtype=np.float64)
-    if angles.ndim != 1 or angles.size == 0 or not np.all(np.isfinite(angles)):
-        msg = f"initial_angles = {angles}: must be a list of finite angles in radians"
-        raise ConfigError(msg)
+    angles = checked_angles(initial_angles)
     if not (np.isfinite(shape_factor) and tolerance > 0):
         msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
         raise ConfigError(msg)
@@ -125,6 +137,15 @@ def follow(
     return Motion(angles, angle, deformation, _spin(path, shape_factor, angle), substeps)
 
 
+def checked_angles(initial_angles: Array) -> Array:
+    """Return initial angles as an array, or refuse them (`ConfigError`)."""
+    angles = np.asarray(initial_angles, dtype=np.float64)
+    if angles.ndim != 1 or angles.size == 0 or not np.all(np.isfinite(angles)):
+        msg = f"initial_angles = {angles}: must be a list of finite angles in radians"
+        raise ConfigError(msg)
+    return angles
+
+
 def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
     """Return ``theta_dot = W_21 + B D_12(local)`` [1/s], the paper's Eq. 59."""
     size, double = strain_polar(path.gradient)
@@ -134,12 +155,12 @@ def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
     return spin
 
 
-def angle_to_stream(path: Path, motion: Motion) -> Array:
+def angle_to_stream(path: Path, motion: Turning) -> Array:
     """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n)."""
     return fold_angle(motion.angle - stream_angle(path)[..., None, :])
 
 
-def angle_to_stream_at(path: Path, motion: Motion, times: Array) -> Array:
+def angle_to_stream_at(path: Path, motion: Turning, times: Array) -> Array:
     """Return the fibers' angles to the streamline at given times [rad] in (-pi/2, pi/2].
 
     Parameters

@@ -1,10 +1,10 @@
-"""The paper's own algorithm: Newton-Raphson on force and torque at every Runge-Kutta stage.
+"""The paper's own algorithm: Newton-Raphson on the force and the torque on the fiber.
 
-Section 2.2, Eq. 5-22. The cell turns with the fiber, so its matrix is factorised once. At each
-stage the far field of the moment is put on the cell's edge (Eq. 5), the fiber is given a trial
-velocity (Eq. 8), the free unknowns are solved for (Eq. 13), the nodal reactions (Eq. 14) are summed
-to force and torque (Eq. 18), and the velocity is corrected by the Jacobian of Eq. 19-22 until they
-vanish (Eq. 15). Angle and position then go on by the classical fourth-order Runge-Kutta step.
+Section 2.2, Eq. 5-22. The cell turns with the fiber, so its matrix is factorised once. The far
+field of the moment is put on the cell's edge (Eq. 5), the fiber is given a trial velocity (Eq. 8),
+the free unknowns are solved for (Eq. 13), the nodal reactions (Eq. 14) are summed to force and
+torque (Eq. 18), and the velocity is corrected by the Jacobian of Eq. 19-22 until they vanish
+(Eq. 15). What follows fibers by it is in `fibermelt.fiber.newton_motion`.
 
 For a Newtonian melt it must agree with superposition to solver precision at thousands of times
 the cost; it is kept as the reference, and as the way that a melt with another law will need.
@@ -16,18 +16,13 @@ thousands of times ``|L|``, and would cost as many digits of the pressure.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.errors import ConvergenceError
 from fibermelt.fiber.cell_data import CellSystem
-from fibermelt.fiber.magnus import PathInterpolant
-from fibermelt.fiber.shape import Ellipse
-from fibermelt.history import FlowHistory
 
-__all__ = ["NewtonMotion", "NewtonSolver", "follow_newton"]
+__all__ = ["NewtonSolver", "Rates", "free_motion"]
 
 Array = NDArray[np.float64]
 
@@ -39,40 +34,7 @@ MOST_ITERATIONS = 8
 """A linear problem takes one correction; more say that the solver has lost its digits."""
 
 Rates = tuple[Array, Array]
-
-
-@dataclass(frozen=True, eq=False)
-class NewtonMotion:
-    """A fiber followed by the paper's algorithm.
-
-    Parameters
-    ----------
-    time : (n,) array
-        Times of the steps [s].
-    angle, spin : (n,) array
-        Angle [rad] and its rate [1/s].
-    position, velocity : (n, 2) array
-        The fiber's centre [m] and its velocity [m/s].
-    surface_pressure : (n, m) array
-        Pressure at the surface points, relative to the streamline's [Pa].
-    lowest, highest : (n,) array
-        Its extremes over these points [Pa].
-    iterations : int
-        Newton-Raphson corrections in all.
-    solves : int
-        Linear solves in all.
-    """
-
-    time: Array
-    angle: Array
-    spin: Array
-    position: Array
-    velocity: Array
-    surface_pressure: Array
-    lowest: Array
-    highest: Array
-    iterations: int
-    solves: int
+"""The fiber's velocity and spin, and the cell's unknowns that go with them."""
 
 
 class NewtonSolver:
@@ -149,89 +111,41 @@ class NewtonSolver:
         return pressure
 
 
-def follow_newton(
-    system: CellSystem,
-    fiber: Ellipse,
-    history: FlowHistory,
-    viscosity: float,
-    initial_angle: float,
-) -> NewtonMotion:
-    """Follow one fiber along its history by the paper's algorithm, one step per interval.
+def free_motion(
+    solver: NewtonSolver, half_length: float, melt: Array, angle: float, guess: Array
+) -> Rates:
+    """Return how a free fiber moves in the axes of the flow, from a solve in its own (Eq. 16, 17).
 
     Parameters
     ----------
-    system : CellSystem
-        The cell of `build_system`.
-    fiber : Ellipse
-        The fiber that it was built for (its half-length scales the translation).
-    history : FlowHistory
-        The path; each of its intervals is one Runge-Kutta step, so its points set the accuracy.
-    viscosity : float
-        ``mu`` [Pa s].
-    initial_angle : float
-        Angle from the x axis at the start [rad].
+    solver : NewtonSolver
+        The cell's.
+    half_length : float
+        ``a`` [m]: it scales the fiber's velocity relative to the melt.
+    melt : (6,) array
+        Velocity [m/s] and velocity gradient row by row [1/s] of the melt at the fiber's centre.
+    angle : float
+        The fiber's angle from the x axis [rad].
+    guess : (3,) array
+        Trial velocity [m/s] and spin [1/s] to start from: the last step's.
+
+    Returns
+    -------
+    rates : (3,) array
+        Velocity [m/s] and spin [1/s].
+    unknowns : (N,) array
+        The flow in the cell, for `NewtonSolver.surface_pressure`.
 
     Raises
     ------
-    ConfigError
-        If the fiber's aspect ratio is not the system's.
     ConvergenceError
-        If a force balance fails.
+        If force and torque do not vanish.
     """
-    if fiber.aspect_ratio != system.response.aspect_ratio:
-        msg = (
-            f"fiber.aspect_ratio = {fiber.aspect_ratio:g}, but the cell was built for "
-            f"{system.response.aspect_ratio:g}: build the system again"
-        )
-        raise ConfigError(msg)
-    solver = NewtonSolver(system)
-    n = len(history)
-    melt = PathInterpolant(
-        history.time, np.concatenate([history.velocity, history.gradient.reshape(n, 4)], axis=1)
-    )
-    state = np.array([*history.position[0], initial_angle])
-    states, rates, pressures = np.empty((n, 3)), np.empty((n, 3)), []
-    guess = np.array([*history.velocity[0], 0.0])
-
-    def rate(interval: int, fraction: float, at: Array) -> Rates:
-        values = melt((interval,), fraction)
-        return _rates(solver, fiber, values, float(at[2]), guess)
-
-    for i in range(n):
-        interval, start = min(i, n - 2), float(i == n - 1)
-        first, unknowns = rate(interval, start, state)
-        states[i], rates[i] = state, first
-        pressures.append(viscosity * solver.surface_pressure(unknowns))
-        guess = first
-        if i == n - 1:
-            break
-        h = history.time[i + 1] - history.time[i]
-        second, _ = rate(i, 0.5, state + 0.5 * h * first)
-        third, _ = rate(i, 0.5, state + 0.5 * h * second)
-        fourth, _ = rate(i, 1.0, state + h * third)
-        state = state + h / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
-    surface = np.array(pressures)
-    return NewtonMotion(
-        time=history.time,
-        angle=states[:, 2],
-        spin=rates[:, 2],
-        position=states[:, :2],
-        velocity=rates[:, :2],
-        surface_pressure=surface,
-        lowest=surface.min(axis=1),
-        highest=surface.max(axis=1),
-        iterations=solver.iterations,
-        solves=solver.solves,
-    )
-
-
-def _rates(solver: NewtonSolver, fiber: Ellipse, melt: Array, angle: float, guess: Array) -> Rates:
-    """Return velocity and spin in the axes of the flow, from a solve in the fiber's axes."""
-    a = fiber.half_length
     c, s = np.cos(angle), np.sin(angle)
     to_local = np.array([[c, s], [-s, c]])
     gradient = to_local @ melt[2:].reshape(2, 2) @ to_local.T
     far_field = np.concatenate([np.zeros(2), gradient.ravel()])
-    trial = np.array([*(to_local @ (guess[:2] - melt[:2]) / a), guess[2]])
+    trial = np.array([*(to_local @ (guess[:2] - melt[:2]) / half_length), guess[2]])
     local, unknowns = solver.solve(far_field, trial)
-    return np.array([*(melt[:2] + a * (to_local.T @ local[:2])), local[2]]), unknowns
+    velocity = melt[:2] + half_length * (to_local.T @ local[:2])
+    return np.array([*velocity, local[2]]), unknowns

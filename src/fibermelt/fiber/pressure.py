@@ -9,23 +9,46 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.motion import Motion
+from fibermelt.fiber.motion import Turning
 from fibermelt.fiber.paths import Path, strain_polar
 from fibermelt.fiber.response import FiberResponse
 
 __all__ = [
     "PressureBounds",
+    "SurfaceExtremes",
     "SurfacePressure",
     "pressure_bounds",
     "surface_pressure",
 ]
 
 Array = NDArray[np.float64]
+
+
+class SurfaceExtremes(Protocol):
+    """Pressure extremes on fibers along a path, by whichever way they were found."""
+
+    @property
+    def lowest(self) -> Array:
+        """Lowest pressure over the surface [Pa], relative, shape (..., n_angles, n)."""
+
+    @property
+    def highest(self) -> Array:
+        """Highest pressure over the surface [Pa], relative, shape (..., n_angles, n)."""
+
+    def where_at(self, index: NDArray[np.intp]) -> Array:
+        """Return the eccentric angles [rad] of the extremes at given points of the path.
+
+        Parameters
+        ----------
+        index : (..., n_angles, location, 2) integer array
+            Points of the path, last axis: for the lowest, for the highest.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +83,16 @@ class SurfacePressure:
         """Return the eccentric angle of the highest pressure [rad] in (-pi/2, pi/2], 0 the tip."""
         return self.response.support.where(self.phase)
 
+    def where_at(self, index: NDArray[np.intp]) -> Array:
+        """Return the eccentric angles [rad] of the extremes at given points of the path.
+
+        See `SurfaceExtremes.where_at`; refined by Newton's method on the curve itself.
+        """
+        flat = index.reshape(*index.shape[:-2], -1)
+        phase = np.take_along_axis(self.phase, flat, axis=-1).reshape(index.shape)
+        phase[..., 0] += np.pi
+        return self.response.support.where_exact(phase)
+
     @cached_property
     def tip(self) -> Array:
         """Return the pressure at the fiber's tips [Pa], (..., n_angles, n)."""
@@ -90,7 +123,7 @@ class PressureBounds:
 
 
 def surface_pressure(
-    path: Path, response: FiberResponse, viscosity: float, motion: Motion
+    path: Path, response: FiberResponse, viscosity: float, motion: Turning
 ) -> SurfacePressure:
     """Return the lowest and highest surface pressure of every fiber at every point of its path.
 
@@ -102,7 +135,7 @@ def surface_pressure(
         Their pressure response (confined or unbounded).
     viscosity : float
         ``mu`` of the melt [Pa s], positive; all pressures are proportional to it.
-    motion : Motion
+    motion : Turning
         Their angles along the path.
 
     Raises

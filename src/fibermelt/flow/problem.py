@@ -132,7 +132,6 @@ class FlowNumerics:
     ----------
     order : int
         Polynomial degree of the velocity, 2 to 6; the pressure has one less (Taylor-Hood).
-        2 leaks 1e-4 of the flux.
     lip_edge, contact_edge : float
         Mesh edge at the two lips and at the upstream contact point, where the flow is singular.
     corner_edge : float

@@ -10,9 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon, Rectangle
-from matplotlib.tri import TriContourSet, Triangulation
+from matplotlib.tri import Triangulation, TriContourSet
 
-from fibermelt.report.scene import Window, curves, frame, scene_axes
+from fibermelt.report.drawing import curves, frame, scene_axes
+from fibermelt.report.scene import Window
 from fibermelt.report.style import (
     ATMOSPHERE,
     FULL,
@@ -127,7 +128,7 @@ def figure_cell(results: xr.Dataset) -> Figure:
         r"$(p - p_\psi)\,/\,(\mu\,\dot\gamma)$",
         upright=True,
     )
-    bar.set_ticks(list(mappable.levels[::2]))
+    bar.set_ticks([*mappable.levels][::2])
     return figure
 
 
@@ -148,16 +149,14 @@ def _fiber(axes: Axes, results: xr.Dataset, angle: float = 0.0) -> None:
     s = results["surface_angle"].to_numpy()
     rim = np.stack([np.cos(s), np.sin(s) / float(results["aspect_ratio"])], axis=-1)
     axes.add_patch(
-        Polygon(
-            rim @ _rotation(angle).T, facecolor=FIBER, edgecolor=INK, linewidth=0.8, zorder=4
-        )
+        Polygon(rim @ _rotation(angle).T, facecolor=FIBER, edgecolor=INK, linewidth=0.8, zorder=4)
     )
 
 
 def _mesh(axes: Axes, results: xr.Dataset, linewidth: float) -> None:
     """Draw the curved elements by their edges, in the fiber's axes."""
     edges = curves(results["cell_point"].to_numpy(), results["cell_edge"].to_numpy(), STRAIGHT)
-    axes.add_patch(
+    axes.add_artist(
         PathPatch(edges, facecolor="none", edgecolor=MESH, linewidth=linewidth, zorder=2)
     )
     _fiber(axes, results)
@@ -168,7 +167,7 @@ def _pressure(axes: Axes, results: xr.Dataset, found: Deepest) -> TriContourSet:
     points = results["cell_point"].to_numpy() @ _rotation(found.angle).T
     levels = round_up(-found.pressure) * np.r_[-LEVELS[:0:-1], LEVELS]
     field = axes.tricontourf(
-        Triangulation(*points.T, results["cell_triangle"].to_numpy()),
+        Triangulation(points[:, 0], points[:, 1], results["cell_triangle"].to_numpy()),
         results["cell_pressure"].to_numpy() @ found.strain,
         levels=levels,
         norm=BoundaryNorm(levels, 256, extend="both"),
@@ -191,9 +190,7 @@ def _shear(axes: Axes, radius: float, angle: float) -> None:
         )
     axes.text(1.03 * radius, 0.98 * radius, r"$u_x = \dot\gamma\,y$", ha="right", va="center")
     degrees = f"{np.degrees(angle):.1f}".replace("-", "−")
-    axes.text(
-        -1.03 * radius, 0.98 * radius, rf"$\theta$ = {degrees}°", ha="left", va="center"
-    )
+    axes.text(-1.03 * radius, 0.98 * radius, rf"$\theta$ = {degrees}°", ha="left", va="center")
 
 
 def cell_words(results: xr.Dataset) -> Words:

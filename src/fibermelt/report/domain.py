@@ -8,11 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fibermelt.report.scene import (
-    MM,
-    Scene,
-    Window,
-    bed_speed,
+from fibermelt.report.drawing import (
     draw_bed,
     draw_mesh,
     draw_metal,
@@ -21,10 +17,10 @@ from fibermelt.report.scene import (
     free_room,
     main_scene,
     mark_window,
-    read_scene,
     scale_bar,
     scene_axes,
 )
+from fibermelt.report.scene import MM, Scene, Window, bed_speed, read_scene
 from fibermelt.report.style import VERMILION, Words, letter, styled
 
 if TYPE_CHECKING:

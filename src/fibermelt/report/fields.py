@@ -10,20 +10,16 @@ from matplotlib.collections import TriMesh
 from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from fibermelt.report.scene import (
-    MM,
-    Scene,
-    Window,
-    by_area,
+from fibermelt.report.drawing import (
     draw_bed,
     draw_field,
     draw_metal,
     draw_outline,
     frame,
-    read_scene,
     scale_bar,
     scene_axes,
 )
+from fibermelt.report.scene import MM, Scene, Window, by_area, read_scene
 from fibermelt.report.style import (
     ATMOSPHERE,
     DIVERGING,
@@ -177,9 +173,9 @@ def maps_words(results: xr.Dataset) -> Words:
         caption=(
             "The flow in the whole domain and, larger, near the nozzle's exit: (a) speed, (b) "
             "scalar rate of deformation on a logarithmic scale, (c) pressure of the melt above the "
-            "atmosphere's, red where the melt itself is below it (mind the two halves of the scale). "
-            "Arrow-shaped ends of a scale: "
-            "there is more beyond it, at the corners without bound."
+            "atmosphere's, red where the melt itself is below it (mind the two "
+            "halves of the scale). Arrow-shaped ends of a scale: there is more beyond it, at the "
+            "corners without bound."
         ),
         alt=(
             f"Three maps. The speed is highest in the capillary, {speed.max():.0f} mm/s, low at "

@@ -12,11 +12,11 @@ from matplotlib.patches import Patch
 
 from fibermelt.report.lines import ZONES, Feature, features
 from fibermelt.report.style import (
-    BLUE,
     FULL,
     GREY,
+    HIGH,
     INK,
-    VERMILION,
+    LOW,
     Array,
     Words,
     add_axes,
@@ -32,8 +32,8 @@ __all__ = ["figure_history", "history_words"]
 MPA = 1e-6
 """Megapascals in a pascal."""
 
-LOW, HIGH = VERMILION, BLUE
-"""Colours of lowest and of highest surface pressure."""
+MARKS = ("o", "v")
+"""Marks of the extremes at Loc. 1 and Loc. 2."""
 
 QUIET = 0.02
 """The time scale begins where the bounds first reach this part of their largest value."""
@@ -48,8 +48,9 @@ def _feature(results: xr.Dataset) -> Feature:
 @styled
 def figure_history(results: xr.Dataset) -> Figure:
     """Draw lowest and highest surface pressure over time on the paper's streamline 10."""
-    row = _feature(results).row
-    figure = new_figure(FULL, 108)
+    feature = _feature(results)
+    row = feature.row
+    figure = new_figure(FULL, 112)
     axes = add_axes(figure, 13, 9, 174, 82)
     _bands(axes, results, row)
     _fibers(axes, results, row)
@@ -59,8 +60,20 @@ def figure_history(results: xr.Dataset) -> Figure:
     _locations(axes, results, row)
     axes.set_xlabel("time since the inlet [s]")
     axes.set_ylabel("pressure above the atmosphere's [MPa]")
+    axes.annotate(
+        f"streamline {feature.number}",
+        (0.0, 0.0),
+        xycoords="axes fraction",
+        xytext=(5, 5),
+        textcoords="offset points",
+        color=feature.color,
+        fontweight="bold",
+    )
     axes.legend(
-        handles=_key(results), loc="lower left", bbox_to_anchor=(0.0, 1.06), ncols=3,
+        handles=_key(results),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.09),
+        ncols=3,
         columnspacing=2.0,
     )
     return figure
@@ -133,7 +146,7 @@ def _locations(axes: Axes, results: xr.Dataset, row: int) -> None:
                 when[:, k],
                 value[:, k],
                 linestyle="none",
-                marker="ov"[k],
+                marker=MARKS[k],
                 markersize=4,
                 markerfacecolor="white",
                 markeredgecolor=color,
@@ -144,13 +157,52 @@ def _locations(axes: Axes, results: xr.Dataset, row: int) -> None:
 
 def _key(results: xr.Dataset) -> list[Line2D | Patch]:
     """Return what lines, bands and marks mean."""
-    count = results.sizes["initial_angle"]
-    middle = results["quantile"].to_numpy()
-    share = f"{100 * middle[0]:.0f} to {100 * middle[-1]:.0f} %"
+    level = results["quantile"].to_numpy()
+    share = f"{100 * level[0]:.0f} to {100 * level[-1]:.0f} %"
+    fibers = f"on fibers of {results.sizes['initial_angle']} initial angles"
+    found = [
+        Line2D([], [], linestyle="none", marker=mark, color=GREY, mfc="white", label=label)
+        for mark, label in zip(
+            MARKS,
+            (
+                "extremes at Loc. 1, above mid-capillary",
+                "extremes at Loc. 2, below mid-capillary",
+            ),
+            strict=True,
+        )
+    ]
     return [
         Line2D([], [], color=INK, linewidth=1.4, label="melt's own pressure"),
-        Line2D([], [], color=LOW, linewidth=0.8, label=f"lowest on a fiber, {count} initial angles"),
-        Line2D([], [], color=HIGH, linewidth=0.8, label="highest on a fiber"),
+        Line2D([], [], color=LOW, linewidth=0.8, label=f"lowest {fibers}"),
+        Line2D([], [], color=HIGH, linewidth=0.8, label=f"highest {fibers}"),
         Patch(facecolor=GREY, alpha=0.25, label="bound over every orientation"),
         Patch(facecolor=GREY, alpha=0.6, label=f"{share} of isotropic fibers"),
+        *found,
     ]
+
+
+def history_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_history`."""
+    feature = _feature(results)
+    time, own = (results[n].to_numpy()[feature.row] for n in ("time", "pressure"))
+    lowest = MPA * (own + results["lowest"].to_numpy()[feature.row])
+    bound = MPA * (own + results["bound_lowest"].to_numpy()[feature.row])
+    angle, at = np.unravel_index(np.argmin(lowest), lowest.shape)
+    start = np.degrees(results["initial_angle"].to_numpy()[angle])
+    return Words(
+        caption=(
+            f"Pressure on fibers along streamline {feature.number}, against the atmosphere: the "
+            "melt's own, and lowest and highest on the surface of fibers of all initial angles. "
+            "Light bands, dashed at their ends: bounds over every orientation, reached by the "
+            "worst one there and then. Dark bands: quantiles of an isotropic start. Marks: each "
+            "fiber's extremes against the melt's own pressure above the middle of the capillary "
+            "(Loc. 1) and below it (Loc. 2). The time scale leaves out the quiet ends."
+        ),
+        alt=(
+            f"Curves over time on streamline {feature.number}. The melt's own pressure falls from "
+            f"{MPA * own[0]:.2f} MPa to {MPA * own[-1]:.2f} MPa. Pressures on the fibers spread "
+            "around it, most before the capillary's entrance and behind the nozzle's exit. The "
+            f"lowest is {lowest.min():.2f} MPa at {time[at]:.3f} s, on the fiber that entered at "
+            f"{start:.0f} degrees; no orientation gives less than {bound.min():.2f} MPa."
+        ),
+    )

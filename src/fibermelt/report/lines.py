@@ -66,4 +66,5 @@ def rest(results: xr.Dataset) -> Iterator[int]:
 def at_time(results: xr.Dataset, name: str, row: int, when: Array) -> Array:
     """Return a variable along one streamline at given times, linear between points."""
     time, values = results["time"].to_numpy()[row], results[name].to_numpy()[row]
-    return np.interp(when, time, values)
+    found: Array = np.interp(when, time, values)
+    return found

@@ -9,11 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fibermelt.report.lines import ZONES, at_time, features, rest
-from fibermelt.report.scene import (
-    MM,
-    Scene,
-    Window,
+from fibermelt.report.drawing import (
     draw_bed,
     draw_bed_motion,
     draw_metal,
@@ -22,10 +18,11 @@ from fibermelt.report.scene import (
     free_room,
     main_scene,
     mark_window,
-    read_scene,
     scale_bar,
     scene_axes,
 )
+from fibermelt.report.lines import ZONES, at_time, features, rest
+from fibermelt.report.scene import MM, Scene, Window, read_scene
 from fibermelt.report.style import (
     GREY,
     INK,
@@ -79,7 +76,9 @@ def _key(results: xr.Dataset) -> list[Line2D]:
     names = f"streamlines of equal flux, {marked} marked"
     lines = [Line2D([], [], color=GREY, linewidth=0.6, label=names)]
     zones = ", ".join(f"{k + 1} {name}" for k, name in enumerate(ZONES))
-    lines += [Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=f"zones: {zones}")]
+    lines += [
+        Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=f"zones: {zones}")
+    ]
     where = ("above the middle of the capillary", "below it")
     return lines + [
         Line2D(
@@ -152,7 +151,7 @@ def _places(axes: Axes, results: xr.Dataset) -> None:
 
 
 def _numbers(axes: Axes, results: xr.Dataset) -> None:
-    """Number the marked streamlines, the first and the last over the inlet."""
+    """Write the numbers of the marked streamlines, the first and the last over the inlet."""
     numbers = results["streamline"].to_numpy()
     x, y = MM * results["x"].to_numpy()[:, 0], MM * results["y"].to_numpy()[:, 0]
     chosen = {feature.row: feature.color for feature in features(results)}

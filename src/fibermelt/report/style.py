@@ -1,9 +1,8 @@
 """How figures look: sizes, type, colours, and the same bytes from the same store.
 
-Sizes are millimetres on paper, so that the type is as large as it says: a `COLUMN` wide figure
-stands in one column of a page, a `FULL` one across it. Colours are told apart by people with any
-colour vision: Okabe and Ito's set for lines (jfly.uni-koeln.de/color), maps of even lightness for
-fields.
+Sizes are millimetres on paper, so that the type is as large as it says: a figure stands across a
+page. Colours are told apart by people with any colour vision: Okabe and Ito's set for lines
+(jfly.uni-koeln.de/color), maps of even lightness for fields.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -30,12 +29,13 @@ __all__ = [
     "ATMOSPHERE",
     "BAND",
     "BLUE",
-    "COLUMN",
     "DIVERGING",
     "FULL",
     "GREEN",
     "GREY",
+    "HIGH",
     "INK",
+    "LOW",
     "ORANGE",
     "OTHERS",
     "PALE",
@@ -55,14 +55,16 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-P = ParamSpec("P")
 
-COLUMN, FULL = 90.0, 190.0
-"""Widths of a figure [mm]: one column of a page, and across it."""
+FULL = 190.0
+"""Width of a figure [mm]: across a page."""
 
 INK, GREY, OTHERS, BAND, PALE = "#1a1a1a", "#8c8c8c", "#bdbdbd", "#dedede", "#f0f3f6"
 BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"
 ORANGE, PINK = "#e69f00", "#cc79a7"
+
+LOW, HIGH = "#a50f26", "#5b4a9e"
+"""Lowest and highest surface pressure: no colour of a streamline."""
 
 SEQUENTIAL = "cividis"
 DIVERGING = "RdBu_r"
@@ -75,7 +77,7 @@ PNG_DOTS = 180
 SALT = "fibermelt"
 """Fixes the names of SVG's clip paths, which are random otherwise."""
 
-STYLE: dict[str, object] = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 7.5,
     "axes.titlesize": 7.5,
@@ -145,15 +147,13 @@ def _style() -> Iterator[None]:
         yield
 
 
-def styled(
-    draw: Callable[Concatenate[xr.Dataset, P], Figure],
-) -> Callable[Concatenate[xr.Dataset, P], Figure]:
+def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
     """Have a figure drawn in this style."""
 
     @wraps(draw)
-    def drawn(results: xr.Dataset, *args: P.args, **kwargs: P.kwargs) -> Figure:
+    def drawn(results: xr.Dataset) -> Figure:
         with _style():
-            return draw(results, *args, **kwargs)
+            return draw(results)
 
     return drawn
 

@@ -152,7 +152,7 @@ class Numerics(Section):
 
     flow_order: int = setting(
         3,
-        "Velocity order of the flow; the pressure has one less. 2 leaks 1e-4 of the flux.",
+        "Velocity order of the flow; the pressure has one less. 2 is coarser, 4 finer and slower.",
         ge=2,
         le=6,
     )

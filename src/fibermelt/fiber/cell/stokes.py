@@ -60,7 +60,8 @@ def stokes(mesh: CurvedMesh, condense: bool, compressibility: float) -> tuple[An
     return space, form
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")  # waiting BLAS threads cost up to five times
+# waiting BLAS threads cost up to five times the work on a busy machine
+@threadpool_limits.wrap(limits=1, user_api="blas")  # type: ignore[untyped-decorator]  # has no types
 def solve_modes(mesh: CurvedMesh) -> Modes:
     """Solve the three Dirichlet problems and combine them to the torque-free modes."""
     space, form = stokes(mesh, condense=True, compressibility=COMPRESSIBILITY)

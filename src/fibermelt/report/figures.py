@@ -1,0 +1,80 @@
+"""All figures of a study: what they are called, how they are drawn, what they say in words.
+
+Each figure is a pure function of the results; `draw_figures` writes them as SVG and PNG. The same
+results give the same bytes with the same version of matplotlib.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from fibermelt.report.along import along_words, figure_along
+from fibermelt.report.cell import cell_words, figure_cell
+from fibermelt.report.domain import domain_words, figure_domain
+from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
+from fibermelt.report.history import figure_history, history_words
+from fibermelt.report.overview import figure_overview, overview_words
+from fibermelt.report.streamlines import figure_streamlines, streamlines_words
+from fibermelt.report.style import Words, save
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["FIGURES", "Plate", "draw_figures"]
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A figure of the report.
+
+    Parameters
+    ----------
+    name : str
+        Name of its files, without suffix.
+    title : str
+        What it is, in a few words.
+    draw : callable
+        From the results to the figure.
+    words : callable
+        From the results to caption and alternative text.
+    """
+
+    name: str
+    title: str
+    draw: Callable[[xr.Dataset], Figure]
+    words: Callable[[xr.Dataset], Words]
+
+
+FIGURES = (
+    Plate("overview", "The bead at a glance", figure_overview, overview_words),
+    Plate("domain", "Fluid domain and mesh", figure_domain, domain_words),
+    Plate("streamlines", "Streamlines", figure_streamlines, streamlines_words),
+    Plate("along", "Speed and deformation along streamlines", figure_along, along_words),
+    Plate("maps", "Speed, rate of deformation and pressure", figure_maps, maps_words),
+    Plate("gradients", "Velocity gradient near the exit", figure_gradients, gradients_words),
+    Plate("cell", "The fiber's cell", figure_cell, cell_words),
+    Plate("history", "Pressure on fibers along a streamline", figure_history, history_words),
+)
+"""The figures in the order of a report."""
+
+
+def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
+    """Draw every figure as SVG and PNG and return the paths.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Results of a study, as in results.nc.
+    directory : Path
+        An existing folder.
+    """
+    written = []
+    for plate in FIGURES:
+        words = plate.words(results)
+        written += save(plate.draw(results), directory / plate.name, plate.title, words)
+    return written

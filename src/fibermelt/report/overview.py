@@ -1,0 +1,249 @@
+"""The bead at a glance: where fibers may pull the melt below the atmosphere (Fig. 18, 19)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from fibermelt.report.carpet import weave
+from fibermelt.report.drawing import (
+    draw_bed,
+    draw_bed_motion,
+    draw_metal,
+    draw_outline,
+    frame,
+    free_room,
+    main_scene,
+    mark_window,
+    paint,
+    scale_bar,
+    scene_axes,
+)
+from fibermelt.report.lines import features
+from fibermelt.report.scene import MM, Scene, Window, read_scene
+from fibermelt.report.style import (
+    ATMOSPHERE,
+    BAND,
+    LOW,
+    Words,
+    add_axes,
+    color_bar,
+    letter,
+    round_up,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["figure_overview", "overview_words"]
+
+MPA = 1e-6
+"""Megapascals in a pascal."""
+
+CHARTS = 64.0
+"""Height of the charts below the scene [mm]."""
+
+PLACES = ("above mid-capillary", "below mid-capillary")
+"""Where the paper's Loc. 1 and Loc. 2 lie."""
+
+DASHES = (0, (3, 1.5))
+
+FIBERS = "#404040"
+
+
+@styled
+def figure_overview(results: xr.Dataset) -> Figure:
+    """Draw the lowest surface pressure over the bead, and the extremes by streamline."""
+    scene = read_scene(results)
+    figure, axes = main_scene(scene, below=CHARTS)
+    room = free_room(axes, scene)
+    gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
+    carpet = weave(results)
+    own = MPA * results["pressure"].to_numpy()
+    worst = own + MPA * results["bound_lowest"].to_numpy()
+    unlucky = own + MPA * results["quantile_lowest"].to_numpy()[..., 0]
+    limit = round_up(float(own.max()))
+    norm = Normalize(-limit, limit)
+    for panel, window, values in ((axes, scene.whole, worst), (gap, scene.exit, unlucky)):
+        _bead(panel, results, scene, window)
+        if carpet is not None:
+            paint(panel, carpet.triangles, carpet.values(values), norm, ATMOSPHERE)
+    draw_bed_motion(axes, results, scene)
+    _numbers(axes, results)
+    mark_window(axes, scene.exit)
+    frame(gap)
+    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    share = 100 * float(results["quantile"][0])
+    letter(axes, "a  worst orientation of a fiber", inside=True)
+    letter(gap, f"b  {share:.0f} % of fibers from an isotropic start see less (dashed frame)")
+    bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
+    color_bar(
+        ScalarMappable(norm, ATMOSPHERE),
+        bar,
+        "lowest pressure on a fiber [MPa], atmosphere = 0",
+        extend="both",
+    )
+    for k, left in enumerate((14.0, 109.0)):
+        chart = add_axes(figure, left, 9, 78, CHARTS - 24)
+        _by_streamline(chart, results, k)
+        letter(chart, f"{'cd'[k]}  Loc. {k + 1}, {PLACES[k]}")
+        if k == 0:
+            chart.set_ylabel("lowest less melt's own [MPa]")
+            chart.legend(
+                handles=_key(results),
+                loc="lower left",
+                bbox_to_anchor=(0.0, 1.12),
+                ncols=6,
+                columnspacing=1.1,
+                handletextpad=0.5,
+            )
+    return figure
+
+
+def _bead(axes: Axes, results: xr.Dataset, scene: Scene, window: Window) -> None:
+    """Draw the bead, with the marked streamlines as thin lines."""
+    draw_metal(axes, scene)
+    draw_bed(axes, window)
+    draw_outline(axes, scene, fill=True)
+    for feature in features(results):
+        line = (MM * results[name].to_numpy()[feature.row] for name in "xy")
+        axes.plot(*line, color=FIBERS, linewidth=0.4, zorder=2)
+
+
+def _numbers(axes: Axes, results: xr.Dataset) -> None:
+    """Write the numbers of the marked streamlines at the outlet."""
+    for feature in features(results):
+        x, y = (MM * float(results[name][feature.row, -1]) for name in "xy")
+        axes.annotate(
+            str(feature.number),
+            (x, y),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center",
+            color=feature.color,
+            fontweight="bold",
+        )
+
+
+def _by_streamline(axes: Axes, results: xr.Dataset, location: int) -> None:
+    """Draw the extremes of one location by streamline: fibers, mean, median, bounds, quantiles."""
+    number = results["streamline"].to_numpy()
+    here = results.isel(location=location).sel(kind="min")
+    value = MPA * here["extreme"].transpose("streamline", "initial_angle").to_numpy()
+    bound = MPA * here["extreme_bounds"].transpose("streamline", "side").to_numpy()
+    spread = MPA * here["extreme_quantiles"].transpose("streamline", "quantile").to_numpy()
+    axes.fill_between(number, *bound.T, color=BAND, alpha=0.6, linewidth=0, zorder=1)
+    axes.fill_between(number, spread[:, 0], spread[:, -1], color=LOW, alpha=0.2, lw=0, zorder=1.2)
+    axes.plot(
+        np.repeat(number, value.shape[1]),
+        value.ravel(),
+        "o",
+        color=FIBERS,
+        alpha=0.45,
+        markersize=1.8,
+        markeredgewidth=0,
+        zorder=2,
+    )
+    axes.plot(number, value.mean(axis=1), color=LOW, linewidth=1.4, zorder=3)
+    axes.plot(
+        number, np.median(value, axis=1), color=LOW, linewidth=0.9, linestyle=DASHES, zorder=3
+    )
+    near = results["near_singularity"].to_numpy() > 0
+    axes.plot(
+        number[near],
+        value.mean(axis=1)[near],
+        "D",
+        color=LOW,
+        mfc="white",
+        markersize=3.5,
+        zorder=4,
+    )
+    axes.set_xlim(number[0] - 0.5, number[-1] + 0.5)
+    lowest = MPA * float(results["extreme_bounds"].sel(kind="min").min())
+    axes.set_ylim(1.05 * lowest, 0.0)
+    axes.grid(axis="y", color=BAND, linewidth=0.4)
+    axes.set_xlabel("streamline, from the left edge")
+    marked = {feature.row: feature.color for feature in features(results)}
+    shown = sorted({0, len(number) - 1, *marked})
+    axes.set_xticks(number[shown], [str(number[row]) for row in shown])
+    for row, tick in zip(shown, axes.get_xticklabels(), strict=True):
+        if row in marked:
+            tick.set_color(marked[row])
+            tick.set_fontweight("bold")
+
+
+def _key(results: xr.Dataset) -> list[Line2D | Patch]:
+    """Return what the charts' lines, points and bands mean."""
+    level = results["quantile"].to_numpy()
+    count = results.sizes["initial_angle"]
+    return [
+        Line2D([], [], color=LOW, linewidth=1.4, label="mean"),
+        Line2D([], [], color=LOW, linewidth=0.9, linestyle=DASHES, label="median"),
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker="o",
+            color=FIBERS,
+            markersize=2.5,
+            label=f"{count} initial angles",
+        ),
+        Patch(
+            facecolor=LOW,
+            alpha=0.2,
+            label=f"isotropic, {100 * level[0]:.0f} to {100 * level[-1]:.0f} %",
+        ),
+        Patch(facecolor=BAND, alpha=0.6, label="bounds, every orientation"),
+        Line2D(
+            [],
+            [],
+            linestyle="none",
+            marker="D",
+            color=LOW,
+            mfc="white",
+            markersize=3.5,
+            label="near a singular corner",
+        ),
+    ]
+
+
+def overview_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_overview`."""
+    own = results["pressure"].to_numpy()
+    bound = MPA * (own + results["bound_lowest"].to_numpy())
+    steady = results["near_singularity"].to_numpy() == 0
+    chosen = np.where(steady[:, None], bound, np.inf) if steady.any() else bound
+    row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
+    where = [MM * float(results[name][row, at]) for name in "xy"]
+    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
+    mean = MPA * extreme.transpose("location", "streamline").to_numpy()
+    share = 100 * float(results["quantile"][0])
+    return Words(
+        caption=(
+            "The bead at a glance. Red: the pressure on a fiber's surface lies below the "
+            "atmosphere's, where a void may form. (a) For the worst orientation there and then: "
+            f"no fiber sees less. (b) Near the exit, what {share:.0f} % of the fibers of an "
+            "isotropic start fall below: in the capillary fibers lie along the flow, and the worst "
+            "orientation is rare. Drawn between the first and the last streamline. (c, d) Lowest "
+            "surface pressure less the melt's own, by streamline, above the middle of the "
+            "capillary and below it; diamonds: the streamline passes near a singular corner, and "
+            "its numbers depend on the mesh."
+        ),
+        alt=(
+            "Map of a nozzle over a bed: high pressure in the nozzle, below the atmosphere's in "
+            "the gap where the melt turns, none in the settled bead. Away from singular corners "
+            f"the worst orientation gives {chosen[row, at]:.2f} MPa, on streamline "
+            f"{int(results['streamline'][row])} at x = {where[0]:.1f} mm, y = {where[1]:.1f} mm. "
+            "Two charts by streamline: the mean drop on a fiber at Loc. 1 lies between "
+            f"{mean[0].min():.2f} and {mean[0].max():.2f} MPa, at Loc. 2 between "
+            f"{mean[1].min():.2f} and {mean[1].max():.2f} MPa."
+        ),
+    )
