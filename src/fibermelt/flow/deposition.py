@@ -6,7 +6,6 @@ mesh starts from the surfaces of the one before and needs four or five Newton st
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import ngsolve as ng
@@ -15,49 +14,21 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.field import FlowField
-from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
-from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
-from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.flow.freesurface import FreeSurfaceFlow
+from fibermelt.flow.mesh import Surfaces
+from fibermelt.flow.problem import Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
+from fibermelt.flow.search import Progress, SurfaceSearch
 
 __all__ = ["FlowError", "FlowSolution", "solve_deposition"]
 
 Array = NDArray[np.float64]
-Progress = Callable[[str], None]
-
-COARSE = FlowNumerics(
-    lip_edge=0.05, contact_edge=0.1, corner_edge=0.2, surface_edge=0.15, bulk_edge=0.3
-)
-"""The mesh that finds the surfaces: 500 triangles, 0.1 s a step."""
-
-MAX_COARSE_MESHES = 30
-"""Gaps from 0.85 to 2 bead heights need 2 to 4; none that needed more than 8 converged."""
-
-STEPS_A_COARSE_MESH = 4
-"""Newton steps before the coarse mesh is made anew on the surfaces found."""
-
-SETTLED = 1e-3
-"""The coarse search ends when its last step moves no node by more than this many widths."""
-
-MAX_STEPS = 12
-"""A fine mesh needs 4 or 5 steps; more than twice that is a failure."""
 
 MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
 
-FIRST_RATE, LAST_RATE = 1.0, 0.2
-"""Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
-
-OUTLET_MARGIN = 0.5
-"""A contact point this near to the outlet [widths] leaves no bead to solve for."""
-
-HOPELESS_CLIMB = 0.5
-"""A surface this many widths above the lip has never come back."""
-
 CLIMB = 1e-3
 """A surface this many widths above the lip wets the nozzle's outer face, which is not in here."""
-
-NOTHING_TO_DO: Progress = lambda _: None  # noqa: E731 (a named observer that observes nothing)
 
 
 @dataclass(frozen=True)
@@ -120,151 +91,6 @@ class FlowSolution:
     error: FlowError
 
 
-def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
-    """Return the paper's Fig. 2a: inlet parabola, no slip, bed and outlet at the bed's speed."""
-    speed = problem.inlet_speed / problem.bed_speed
-    parabola = -1.5 * speed * (1 - (2 * ng.x / nozzle.inlet_width) ** 2)
-    return Boundaries(
-        moving="bead",
-        free="upstream|downstream",
-        velocity={"inlet": (0, parabola), "wall": (0, 0), "bed": (1, 0), "outlet": (1, 0)},
-        held_x="outlet|exit|wall|inlet",
-        held_y="bed|exit|wall|inlet",
-        lips=np.array([[-0.5, nozzle.gap], [0.5, nozzle.gap]]),
-    )
-
-
-def _first_surfaces(problem: Deposition, nozzle: Nozzle, guess: float | None) -> Surfaces:
-    """Return an upstream surface that bends onto the bed at the contact guess, and a smooth top."""
-    width = problem.nozzle.capillary_width
-    height = problem.mass_balance_height / width
-    # the guess must lie downstream of the answer: a wide gap carries the contact with it
-    contact = max(0.0, 2 * (nozzle.gap - height)) if guess is None else guess / width
-    contact = min(contact, 0.8 * nozzle.outlet)
-    part = np.linspace(0.0, 1.0, 41)[:, None]
-    upstream = np.hstack([-0.5 + (contact + 0.5) * part, nozzle.gap * (1 - part) ** 2])
-    x = np.linspace(0.5, nozzle.outlet, 201)
-    top = height + (nozzle.gap - height) * np.exp(-2 * (x - 0.5) / height)
-    return Surfaces(upstream, np.column_stack([x, top]))
-
-
-def _trimmed(upstream: Array) -> Array:
-    """Return the upstream surface up to where it first meets the bed."""
-    below = np.flatnonzero(upstream[:, 1] <= 0)
-    if below.size == 0 or below[0] == len(upstream) - 1:
-        return upstream
-    first = below[0]
-    above, under = upstream[first - 1], upstream[first]
-    crossing = above + (under - above) * (above[1] / (above[1] - under[1]))
-    crossing[1] = 0.0
-    return np.vstack([upstream[:first], crossing])
-
-
-class _Search:
-    """Carries the surfaces from mesh to mesh and counts what it took."""
-
-    def __init__(self, problem: Deposition, progress: Progress) -> None:
-        self.problem = problem
-        self.nozzle = scaled(problem.nozzle)
-        self.progress = progress
-        self.newton_steps = 0
-        self.meshes = 0
-
-    def start(self, surfaces: Surfaces, numerics: FlowNumerics) -> FreeSurfaceFlow:
-        """Mesh the domain between ``surfaces`` and solve Stokes on it."""
-        self.meshes += 1
-        mesh = deposition_mesh(self.nozzle, surfaces, numerics)
-        boundaries = _boundaries(self.problem, self.nozzle)
-        return FreeSurfaceFlow(mesh, boundaries, numerics.order)
-
-    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0) -> Step:
-        """Take one step on the mesh, and tell."""
-        step = flow.step(rate)
-        self.newton_steps += 1
-        kind = "Newton step" if rate == 0 else f"time step of {1 / rate:.2g} W/V"
-        cut = "" if step.fraction == 1.0 else f", {step.fraction:.0%} taken"
-        self.progress(
-            f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), {kind} "
-            f"{self.newton_steps}: residual {step.residual:.1e}, surface moves {step.size:.1e} "
-            f"widths{cut}"
-        )
-        return step
-
-    def surfaces(self, flow: FreeSurfaceFlow) -> Surfaces:
-        """Return the free surfaces as they lie now."""
-        gap = self.nozzle.gap
-        return Surfaces(
-            _trimmed(flow.surface("upstream", np.array([-0.5, gap]))),
-            flow.surface("downstream", np.array([0.5, gap])),
-        )
-
-    def find_surfaces(self, surfaces: Surfaces, numerics: FlowNumerics) -> Surfaces:
-        """Return the surfaces on coarse meshes, made anew until they no longer move.
-
-        Newton's steps first; where one points nowhere, steps of implicit time take over, shorter
-        while they must be cut and longer while they need not, until they are Newton's again.
-        """
-        rate = 0.0
-        for _ in range(MAX_COARSE_MESHES):
-            flow = self.start(surfaces, numerics)
-            for _ in range(STEPS_A_COARSE_MESH):
-                step = self.step(flow, rate)
-                if step.fraction < 1.0:
-                    rate = max(2.0 * rate, FIRST_RATE)
-                    break
-                if step.size < SETTLED and rate == 0.0:
-                    return self.surfaces(flow)
-                rate = 0.0 if rate < LAST_RATE else rate / 2.0
-            surfaces = self.surfaces(flow)
-            if surfaces.upstream[-1, 0] > self.nozzle.outlet - OUTLET_MARGIN:
-                raise self._outlet_too_near()
-            if surfaces.upstream[:, 1].max() > self.nozzle.gap + HOPELESS_CLIMB:
-                break
-        raise self._no_steady_surface(surfaces)
-
-    def converge(
-        self, surfaces: Surfaces, numerics: FlowNumerics
-    ) -> tuple[FreeSurfaceFlow, Surfaces]:
-        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces."""
-        flow = self.start(surfaces, numerics)
-        for _ in range(MAX_STEPS):
-            step = self.step(flow)
-            if step.size < numerics.tolerance and step.fraction == 1.0:
-                return flow, self.surfaces(flow)
-        x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
-        msg = (
-            f"deposition flow: the surface still moves {step.size:.1e} capillary widths after "
-            f"{MAX_STEPS} Newton steps on a mesh of {flow.mesh.ne} triangles (bound "
-            f"numerics.flow_tolerance = {numerics.tolerance:g}); contact at x = {x[-1]:.4g} m, "
-            f"heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
-            "numerics.contact_edge and numerics.lip_edge"
-        )
-        raise ConvergenceError(msg)
-
-    def _outlet_too_near(self) -> ConvergenceError:
-        nozzle, height = self.problem.nozzle, self.problem.mass_balance_height
-        return ConvergenceError(
-            "deposition flow: the contact point ran into the outlet at flow.outlet = "
-            f"{nozzle.outlet:g} m: with flow.gap = {nozzle.gap:g} m and a bead {height:.4g} m high "
-            "the melt falls rather than being laid down; lower flow.gap below two bead heights "
-            f"({2 * height:.4g} m), or raise flow.outlet"
-        )
-
-    def _no_steady_surface(self, surfaces: Surfaces) -> ConvergenceError:
-        width = self.problem.nozzle.capillary_width
-        up = surfaces.upstream * width
-        height = self.problem.mass_balance_height
-        gap = self.problem.nozzle.gap
-        return ConvergenceError(
-            f"deposition flow: no steady free surface found for flow.gap = {gap:g} m after "
-            f"{self.meshes} meshes and {self.newton_steps} Newton steps: the upstream surface was "
-            f"last seen reaching back to x = {up[:, 0].min():.4g} m and up to y = "
-            f"{up[:, 1].max():.4g} m; the bead is {height:.4g} m high, and below a gap of about "
-            f"0.83 of that ({0.83 * height:.4g} m) the melt climbs the nozzle; raise flow.gap or "
-            "flow.bed_speed, or lower flow.inlet_speed"
-        )
-
-
 def _check_climb(problem: Deposition, surfaces: Surfaces) -> None:
     """Raise if the melt climbs above the upstream lip: the model has no outer nozzle face."""
     width, gap = problem.nozzle.capillary_width, problem.nozzle.gap
@@ -290,7 +116,7 @@ def _inlet_pressure(flow: FreeSurfaceFlow) -> float:
 def solve_deposition(
     problem: Deposition,
     numerics: FlowNumerics | None = None,
-    progress: Progress = NOTHING_TO_DO,
+    progress: Progress | None = None,
 ) -> FlowSolution:
     """Solve the steady free-surface flow of a melt deposited on a moving bed (Eq. 1-4, Fig. 2a).
 
@@ -317,9 +143,8 @@ def solve_deposition(
     pressure and nothing else, and a joint scaling of both speeds leaves the shape alone.
     """
     numerics = FlowNumerics() if numerics is None else numerics
-    search = _Search(problem, progress)
-    first = _first_surfaces(problem, search.nozzle, numerics.contact_guess)
-    surfaces = search.find_surfaces(first, COARSE)
+    search = SurfaceSearch(problem, progress)
+    surfaces = search.find_surfaces(numerics.contact_guess)
     _check_climb(problem, surfaces)
     middle, surfaces = search.converge(surfaces, numerics.coarsened(MIDDLE))
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))

@@ -75,6 +75,8 @@ class Step:
     ----------
     residual : float
         Norm of the residual it started from, in scaled units.
+    worst_field : str
+        What most of it is in: momentum, mass or kinematics.
     size : float
         Largest move of a mesh node that it wanted.
     fraction : float
@@ -84,6 +86,7 @@ class Step:
     """
 
     residual: float
+    worst_field: str
     size: float
     fraction: float
     jacobian: float
@@ -206,8 +209,8 @@ class FreeSurfaceFlow:
         for term in residual_form(unknowns, elements, self.boundaries.free):
             self._residual += term
 
-    def _solve(self, form: ng.BilinearForm, free: ng.BitArray) -> tuple[ng.BaseVector, float]:
-        """Return the correction of the present state and the norm of its residual.
+    def _solve(self, form: ng.BilinearForm, free: ng.BitArray) -> tuple[ng.BaseVector, Array]:
+        """Return the correction of the present state and its residual.
 
         The fronts of a planar problem are too small for a threaded BLAS: its waiting threads cost
         up to five times the work on a busy machine. Assembly does run on all cores.
@@ -221,7 +224,8 @@ class FreeSurfaceFlow:
             left = self._residual.vec.CreateVector()
             left.data = self._residual.vec - form.mat * correction
         mask = np.fromiter(free, dtype=bool, count=len(free))
-        size = float(np.linalg.norm(self._residual.vec.FV().NumPy()[mask]))
+        residual = np.where(mask, self._residual.vec.FV().NumPy(), 0.0)
+        size = float(np.linalg.norm(residual))
         worst = float(np.linalg.norm(left.FV().NumPy()[mask]))
         if not worst <= LARGEST_RESIDUAL * max(size, LARGEST_RESIDUAL):
             msg = (
@@ -229,7 +233,7 @@ class FreeSurfaceFlow:
                 "is singular to working precision; try a longer contact_edge or lip_edge"
             )
             raise ConvergenceError(msg)
-        return correction, size
+        return correction, residual
 
     def _smallest_jacobian(self, displacement: ng.GridFunction) -> float:
         """Return the smallest area ratio of ``displacement``, on a lattice that has the edges."""
@@ -248,6 +252,11 @@ class FreeSurfaceFlow:
         """
         self._rate.Set(rate)
         correction, residual = self._solve(self._jacobian, self._coupled)
+        parts = {
+            name: float(np.linalg.norm(residual[self._ranges[k].start : self._ranges[k].stop]))
+            for name, k in (("momentum", 0), ("mass", 1), ("kinematics", 3))
+        }
+        met = (float(np.linalg.norm(residual)), max(parts, key=lambda name: parts[name]))
         moves = slice(self._ranges[2].start, self._ranges[2].stop)
         move = correction.FV().NumPy()[moves]
         size = float(np.abs(move).max())
@@ -266,11 +275,11 @@ class FreeSurfaceFlow:
                 break
         if fraction == 0.0:
             self.mesh.SetDeformation(self.displacement)
-            return Step(residual, size, fraction, jacobian)
+            return Step(*met, size, fraction, jacobian)
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
-        return Step(residual, size, fraction, jacobian)
+        return Step(*met, size, fraction, jacobian)
 
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:
         """Return the boundary ``name`` as it lies now, a polyline (n, 2) that begins at ``start``.

@@ -106,7 +106,8 @@ def deposition_mesh(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) 
     up = surfaces.upstream
     msg = (
         "the free surfaces found so far cannot be meshed (they cross or fold): "
-        f"contact at {up[-1, 0]:.3f}, heel at {up[:, 0].min():.3f} capillary widths"
+        f"contact at {up[-1, 0]:.3f}, heel at {up[:, 0].min():.3f} capillary widths; "
+        "try another numerics.edge_growth or numerics.surface_edge"
     )
     raise MeshError(msg)
 
