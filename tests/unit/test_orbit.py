@@ -11,10 +11,11 @@ from fibermelt.fiber import (
     FiberResponse,
     ellipse_extremes,
     follow,
+    orbit,
     surface_pressure,
     unbounded_ellipse,
 )
-from fibermelt.fiber.orbit import orbit, tumbling_period
+from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.history import simple_shear
 
 UNTIMED = settings(deadline=None, max_examples=20)  # a busy machine is no failure

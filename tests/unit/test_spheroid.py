@@ -21,6 +21,7 @@ EXACT = 1e-12
 
 seeds = st.integers(0, 2**31)
 ratios = st.floats(0.02, 100.0)
+factors = st.integers(-3000, 3000).map(lambda k: 1e-3 * k)  # no subnormal rates of strain
 
 
 def random_gradient(rng: np.random.Generator, count: int | None = None) -> np.ndarray:
@@ -73,7 +74,7 @@ def test_frame_indifference(seed: int, ratio: float) -> None:
 
 
 @UNTIMED
-@given(seeds, ratios, st.floats(-3.0, 3.0))
+@given(seeds, ratios, factors)
 def test_linearity(seed: int, ratio: float, factor: float) -> None:
     rng = np.random.default_rng(seed)
     response, p = spheroid(ratio), random_direction(rng)

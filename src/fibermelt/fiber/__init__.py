@@ -51,6 +51,8 @@ from fibermelt.fiber.motion import (
     paper_angles,
 )
 from fibermelt.fiber.newton_motion import NewtonMotion, follow_newton
+from fibermelt.fiber.newton_orbit import orbit_newton
+from fibermelt.fiber.orbit import Orbit, orbit
 from fibermelt.fiber.orbits import (
     equal_area_directions,
     jeffery_director,
@@ -96,6 +98,7 @@ __all__ = [
     "IsotropicPressure",
     "Motion",
     "NewtonMotion",
+    "Orbit",
     "PathBundle",
     "PressureBounds",
     "Spheroid",
@@ -127,7 +130,9 @@ __all__ = [
     "jeffery_director",
     "jeffery_factor",
     "jeffery_period",
+    "orbit",
     "orbit_constant",
+    "orbit_newton",
     "orbit_phase",
     "paper_angles",
     "planar_directions",

@@ -7,9 +7,9 @@ of 60-unit cells resulting in a total of 1800 triangular elements" is read like 
   30 x 30 quadrilaterals cut in two make 1800 triangles, six nodes each;
 - the bias belongs to the seed, hence to the unit cells: each radial interval is 1.1 times the one
   before, finest at the fiber. A midside node then lies at 1/2.1 of its element's radial edge, and
-  an element is 1.21 times the one before. (A bias of 1.1 from element to element would be 277/17
-  times coarser at the fiber: in cells large enough to compare with Jeffery its first element is
-  longer than the tip's radius of curvature many times over.)
+  an element is 1.21 times the one before. (With a bias of 1.1 from element to element the first
+  one outgrows the tip's radius of curvature in cells large enough to compare with Jeffery, and the
+  period at ``r_e = 6`` is above Table 1's 39.53 s in every cell, whichever way diagonals run.)
 - the nodes around are equally spaced in the eccentric angle, on straight lines from
   ``(a cos s, b sin s)`` to ``(R cos s, R sin s)``: rings are ellipses, and cannot fold;
 - every quadrilateral is cut along the same diagonal. The mesh is then the same after half a turn

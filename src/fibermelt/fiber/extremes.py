@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.motion import Turning, angle_to_stream
 from fibermelt.fiber.paths import Path
-from fibermelt.fiber.pressure import PressureBounds, SurfaceExtremes
+from fibermelt.fiber.pressure import PressureBounds, SurfaceHistory
 
 __all__ = [
     "KINDS",
@@ -91,7 +91,7 @@ class ExtremeStatistics:
 
 
 def extremes(
-    path: Path, pressure: SurfaceExtremes, motion: Turning, middle_time: float | Array
+    path: Path, pressure: SurfaceHistory, motion: Turning, middle_time: float | Array
 ) -> Extremes:
     """Find the pressure extremes of every fiber at both locations.
 
@@ -99,7 +99,7 @@ def extremes(
     ----------
     path : FlowHistory or PathBundle
         The path that the fibers were followed along.
-    pressure : SurfaceExtremes
+    pressure : SurfaceHistory
         Their surface pressure along it: a `SurfacePressure`, or a `NewtonMotion`.
     motion : Turning
         Their angles along it: a `Motion`, or the same `NewtonMotion`.

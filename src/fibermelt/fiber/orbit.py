@@ -8,7 +8,7 @@ paper's Eq. 24 with the confined fiber's ``B``), unless ``B >= 1``, where it sta
 the strain's phase ``2 (pi/4 - theta)`` is the direction of ``P(s)`` or its opposite. Every
 orientation is an orbit if the fiber tumbles, half a turn if it stalls: no angle is sampled.
 
-`orbit_newton` answers the same by the paper's algorithm, which samples.
+`fibermelt.fiber.newton_orbit` answers the same by the paper's algorithm, which samples.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fibermelt.fiber.curve import TrigonometricCurve, fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
 from fibermelt.fiber.response import FiberResponse
 
-__all__ = ["Orbit", "orbit", "tumbling_period"]
+__all__ = ["Orbit", "checked_shear", "orbit", "tumbling_period"]
 
 Array = NDArray[np.float64]
 

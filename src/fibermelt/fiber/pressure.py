@@ -21,7 +21,7 @@ from fibermelt.fiber.response import FiberResponse
 
 __all__ = [
     "PressureBounds",
-    "SurfaceExtremes",
+    "SurfaceHistory",
     "SurfacePressure",
     "pressure_bounds",
     "surface_pressure",
@@ -30,7 +30,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-class SurfaceExtremes(Protocol):
+class SurfaceHistory(Protocol):
     """Pressure extremes on fibers along a path, by whichever way they were found."""
 
     @property
@@ -86,7 +86,7 @@ class SurfacePressure:
     def where_at(self, index: NDArray[np.intp]) -> Array:
         """Return the eccentric angles [rad] of the extremes at given points of the path.
 
-        See `SurfaceExtremes.where_at`; refined by Newton's method on the curve itself.
+        See `SurfaceHistory.where_at`; refined by Newton's method on the curve itself.
         """
         flat = index.reshape(*index.shape[:-2], -1)
         phase = np.take_along_axis(self.phase, flat, axis=-1).reshape(index.shape)

@@ -1,4 +1,4 @@
-"""The search for the free surfaces, from mesh to mesh: Newton first, implicit time where it fails."""
+"""The search for the free surfaces, mesh by mesh: Newton first, implicit time where it fails."""
 
 from __future__ import annotations
 

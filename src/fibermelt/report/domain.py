@@ -14,7 +14,6 @@ from fibermelt.report.drawing import (
     draw_metal,
     draw_outline,
     frame,
-    free_room,
     main_scene,
     mark_window,
     scale_bar,
@@ -33,19 +32,18 @@ MESH = "#5f86ad"
 CLOSE_UP = 0.1
 """Width of the close-ups over the capillary's."""
 
-BETWEEN = 3.0
-"""Room between the close-ups [mm]."""
+BETWEEN, CLOSE_UPS = 3.0, 35.0
+"""Room between the close-ups, and their height with their names [mm]."""
 
 
 @styled
 def figure_domain(results: xr.Dataset) -> Figure:
     """Draw domain, boundaries and mesh, with close-ups of the gap, the lips and the contact."""
     scene = read_scene(results)
-    figure, axes = main_scene(scene)
+    figure, axes, room = main_scene(scene, extra=CLOSE_UPS)
     _paint(axes, scene, scene.whole, 0.25)
     _boundaries(axes, scene, results)
 
-    room = free_room(axes, scene)
     gap = scene_axes(figure, room.left, room.top - room.fit(scene.exit), room.width, scene.exit)
     _paint(gap, scene, scene.exit, 0.25)
     frame(gap)
@@ -137,7 +135,7 @@ def domain_words(results: xr.Dataset) -> Words:
         alt=(
             "Cross-section of a nozzle that narrows to a capillary over a moving bed. Melt fills "
             f"the nozzle and the gap and leaves to the right as a bead {scene.bead_height:.2f} mm "
-            "high, bulging slightly upstream of the nozzle. The triangles of the mesh are finest "
+            f"high; upstream it reaches x = {heel:.1f} mm. The triangles of the mesh are finest "
             "at the two lips and where the upstream surface touches the bed."
         ),
     )

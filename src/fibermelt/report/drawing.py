@@ -30,7 +30,6 @@ __all__ = [
     "draw_metal",
     "draw_outline",
     "frame",
-    "free_room",
     "main_scene",
     "mark_window",
     "paint",
@@ -45,7 +44,10 @@ METAL_THICKNESS = 0.07
 """Of the nozzle's wall as drawn, over the inlet's width; what it really is does not matter."""
 
 MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 10.0, 8.5, 136.0
-"""Where the scene stands in a figure across the page [mm]."""
+"""Where the scene stands in a figure across the page, and its width at most [mm]."""
+
+ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
+"""Least and largest width of the room beside the nozzle, and what stays free at its right [mm]."""
 
 STRAIGHT = 2e-3
 """An edge that bends less than this [mm] is drawn straight: a fraction of a line's width."""
@@ -58,25 +60,6 @@ def scene_axes(figure: Figure, left: float, bottom: float, width: float, window:
     axes.set_xlim(window.left, window.right)
     axes.set_ylim(window.bottom, window.top)
     return axes
-
-
-def main_scene(scene: Scene, below: float = 0.0) -> tuple[Figure, Axes]:
-    """Return a figure across the page with axes for the whole scene, left; x and y in [mm].
-
-    Parameters
-    ----------
-    scene : Scene
-        What is to be drawn.
-    below : float
-        Height on paper to leave free below the scene [mm].
-    """
-    wide, high = scene.whole.size
-    height = MAIN_WIDTH * high / wide
-    figure = new_figure(FULL, below + MAIN_BOTTOM + height + 1.0)
-    axes = scene_axes(figure, MAIN_LEFT, below + MAIN_BOTTOM, MAIN_WIDTH, scene.whole)
-    axes.set_xlabel("x [mm]", loc="left")
-    axes.set_ylabel("y [mm]", loc="bottom")
-    return figure, axes
 
 
 @dataclass(frozen=True)
@@ -99,17 +82,38 @@ class Room:
         return self.width * high / wide
 
 
-def free_room(axes: Axes, scene: Scene) -> Room:
-    """Return the room right of the nozzle and above the bead in a `main_scene`."""
+def main_scene(scene: Scene, extra: float, below: float = 0.0) -> tuple[Figure, Axes, Room]:
+    """Return a figure across the page, axes for the whole scene, and the room beside the nozzle.
+
+    The scene stands left, with x and y in [mm]. The room right of the nozzle and above the bead
+    is wide enough for a chart and high enough for the scene's exit and what goes with it: where
+    the nozzle leaves too little, the scene is drawn smaller, or the figure higher.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be drawn.
+    extra : float
+        Height on paper that is needed in the room besides the exit's [mm].
+    below : float
+        Height on paper to leave free below the scene [mm].
+    """
     whole = scene.whole
-    scale = MAIN_WIDTH / whole.size[0]
-    right = float(scene.sides["inlet"][:, 0].max()) * (1 + 2 * METAL_THICKNESS)
-    left = MAIN_LEFT + scale * (right - whole.left) + 5.0
-    paper = 25.4 * float(axes.figure.get_figheight())  # type: ignore[union-attr]  # always one
-    bottom = (
-        paper * axes.get_position().y0 + scale * (1.35 * scene.bead_height - whole.bottom) + 6.0
-    )
-    return Room(left, bottom, FULL - 2.0 - left, paper - 7.0 - bottom)
+    wide, high = whole.size
+    nozzle = float(scene.sides["inlet"][:, 0].max()) * (1 + 2 * METAL_THICKNESS) - whole.left
+    beside = FULL - MAIN_LEFT - MARGIN - 5.0
+    width = min(MAIN_WIDTH, (beside - ROOM_WIDTH[0]) * wide / nozzle)
+    scale = width / wide
+    free = min(beside - scale * nozzle, ROOM_WIDTH[1])
+    foot = below + MAIN_BOTTOM
+    bottom = foot + scale * (1.35 * scene.bead_height - whole.bottom) + 6.0
+    least = Room(FULL - MARGIN - free, bottom, free, 0.0).fit(scene.exit) + extra
+    paper = max(foot + scale * high + 1.0, bottom + least + 7.0)
+    figure = new_figure(FULL, paper)
+    axes = scene_axes(figure, MAIN_LEFT, foot, width, whole)
+    axes.set_xlabel("x [mm]", loc="left")
+    axes.set_ylabel("y [mm]", loc="bottom")
+    return figure, axes, Room(FULL - MARGIN - free, bottom, free, paper - 7.0 - bottom)
 
 
 def frame(axes: Axes, color: str = GREY) -> None:

@@ -55,6 +55,9 @@ what is below is little and matters most."""
 DECADES = 3.0
 """Orders of magnitude that the map of the rate of deformation spans."""
 
+FOOT, BETWEEN = 13.0, 3.0
+"""Height of the colour scales below the maps, and the room between maps [mm]."""
+
 GRADIENTS = (
     (r"a  $\partial v_x / \partial x$", 0, 0),
     (r"b  $\partial v_y / \partial x$", 1, 0),
@@ -101,17 +104,18 @@ def figure_maps(results: xr.Dataset) -> Figure:
             "both",
         ),
     )
-    figure = new_figure(FULL, 111)
-    wide = 60.0
+    wide = (FULL - 4.0 - 2 * BETWEEN) / 3
+    lower, upper = (wide * w.size[1] / w.size[0] for w in (scene.exit, scene.whole))
+    figure = new_figure(FULL, FOOT + lower + upper + 2 * BETWEEN + 4.0)
     for k, (name, unit, values, norm, cmap, extend) in enumerate(panels):
-        left = 2.0 + k * (wide + 3.0)
-        whole = scene_axes(figure, left, 54, wide, scene.whole)
+        left = 2.0 + k * (wide + BETWEEN)
+        whole = scene_axes(figure, left, FOOT + lower + BETWEEN, wide, scene.whole)
         _map(whole, scene, scene.whole, values, norm, cmap)
         letter(whole, name)
-        near = scene_axes(figure, left, 16, wide, scene.exit)
+        near = scene_axes(figure, left, FOOT, wide, scene.exit)
         field = _map(near, scene, scene.exit, values, norm, cmap)
         scale_bar(near, scene.exit, height=0.8, share=0.2)
-        bar = add_axes(figure, left + 3, 11, wide - 6, 2)
+        bar = add_axes(figure, left + 3, FOOT - 4, wide - 6, 2)
         scale = color_bar(field, bar, unit, extend=extend)
         if isinstance(norm, TwoSlopeNorm):
             scale.set_ticks([-BELOW * high, 0.0, 0.5 * high, high])
@@ -137,20 +141,20 @@ def figure_gradients(results: xr.Dataset) -> Figure:
     scene = read_scene(results)
     gradient = results["node_gradient"].to_numpy()
     limits = _gradient_limits(results, scene)
-    high, wide = scene.exit.size
-    panel = 92.0
-    tall = panel * wide / high
-    figure = new_figure(FULL, 13.0 + 2 * (tall + 6.0))
+    wide = (FULL - 4.0 - BETWEEN) / 2
+    tall = wide * scene.exit.size[1] / scene.exit.size[0]
+    row_height = tall + 6.0
+    figure = new_figure(FULL, FOOT + 2 * row_height)
     for k, (name, row, column) in enumerate(GRADIENTS):
-        left, bottom = 2.0 + (k % 2) * (panel + 2.0), 13.0 + (1 - k // 2) * (tall + 6.0)
-        axes = scene_axes(figure, left, bottom, panel, scene.exit)
+        left, bottom = 2.0 + (k % 2) * (wide + BETWEEN), FOOT + (1 - k // 2) * row_height
+        axes = scene_axes(figure, left, bottom, wide, scene.exit)
         shear = row != column
         values, limit = gradient[:, row, column], limits[shear]
         field = _map(axes, scene, scene.exit, values, Normalize(-limit, limit), DIVERGING)
         letter(axes, name)
         scale_bar(axes, scene.exit, height=0.8, share=0.2)
         if k < 2:
-            bar = add_axes(figure, left + 6, 8.5, panel - 12, 2)
+            bar = add_axes(figure, left + 6, FOOT - 4.5, wide - 12, 2)
             color_bar(field, bar, "b and c [1/s]" if shear else "a and d [1/s]", extend="both")
     return figure
 
@@ -194,9 +198,8 @@ def gradients_words(results: xr.Dataset) -> Words:
             "Components of the velocity gradient near the nozzle's exit. Scales are symmetric and "
             f"shared: ±{normal:g} 1/s for (a) and (d), which sum to zero, ±{shear:g} 1/s for (b) "
             f"and (c). In each panel at least {100 * SHARE:.0f} % of the area shown lies within; "
-            "the rest is painted in the scale's last colours: at lips, contact point and "
-            "capillary entrance the gradient is singular, and what is computed there depends on "
-            "the mesh."
+            "the rest is painted in the scale's last colours: at the lips and at the contact point "
+            "the gradient is singular, and what is computed there depends on the mesh."
         ),
         alt=(
             "Four maps of the capillary's end and the gap. In the capillary only the change of the "

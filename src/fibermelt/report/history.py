@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from fibermelt.report.lines import ZONES, Feature, features
+from fibermelt.report.lines import ZONES, Feature, features, initial_angles
 from fibermelt.report.style import (
     FULL,
     GREY,
@@ -31,6 +31,9 @@ __all__ = ["figure_history", "history_words"]
 
 MPA = 1e-6
 """Megapascals in a pascal."""
+
+EDGE = 0.05
+"""Part of the time scale near its ends where a centred name would stand out of the figure."""
 
 MARKS = ("o", "v")
 """Marks of the extremes at Loc. 1 and Loc. 2."""
@@ -108,20 +111,24 @@ def _fibers(axes: Axes, results: xr.Dataset, row: int) -> None:
 
 
 def _window(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Set the scales: from where something happens to where nothing does."""
+    """Set the scales: from where something happens to where nothing does, zones included."""
     time, own = results["time"].to_numpy()[row], _line(results, "pressure", row)
     low = own + _line(results, "bound_lowest", row)
     high = own + _line(results, "bound_highest", row)
-    loud = np.flatnonzero(high - low > QUIET * float((high - low).max()))
-    margin = 0.03 * float(np.ptp(time[loud]))
-    axes.set_xlim(max(0.0, time[loud[0]] - margin), min(time[-1], time[loud[-1]] + margin))
+    zones = results["zone_time"].to_numpy()[row]
+    loud = time[np.flatnonzero(high - low > QUIET * float((high - low).max()))]
+    first, last = min(loud[0], zones[0]), max(loud[-1], zones[-1])
+    margin = 0.03 * float(last - first)
+    axes.set_xlim(max(0.0, first - margin), min(time[-1], last + margin))
     room = 0.05 * float(high.max() - low.min())
     axes.set_ylim(low.min() - room, high.max() + room)
 
 
 def _zones(axes: Axes, results: xr.Dataset, row: int) -> None:
     """Mark the zones, and the middle of the capillary between Loc. 1 and Loc. 2."""
+    first, last = axes.get_xlim()
     for zone, when in enumerate(results["zone_time"].to_numpy()[row]):
+        place = (when - first) / (last - first)
         axes.axvline(when, color=GREY, linewidth=0.6, linestyle=(0, (2.5, 1.5)), zorder=0.9)
         axes.annotate(
             f"zone {zone + 1}\n{ZONES[zone]}",
@@ -129,7 +136,7 @@ def _zones(axes: Axes, results: xr.Dataset, row: int) -> None:
             xycoords=("data", "axes fraction"),
             xytext=(0, 1),
             textcoords="offset points",
-            ha="center",
+            ha="left" if place < EDGE else "right" if place > 1.0 - EDGE else "center",
             va="bottom",
             fontsize=6.5,
         )
@@ -159,7 +166,7 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
     """Return what lines, bands and marks mean."""
     level = results["quantile"].to_numpy()
     share = f"{100 * level[0]:.0f} to {100 * level[-1]:.0f} %"
-    fibers = f"on fibers of {results.sizes['initial_angle']} initial angles"
+    fibers = f"on fibers of {initial_angles(results)}"
     found = [
         Line2D([], [], linestyle="none", marker=mark, color=GREY, mfc="white", label=label)
         for mark, label in zip(
@@ -200,7 +207,7 @@ def history_words(results: xr.Dataset) -> Words:
         ),
         alt=(
             f"Curves over time on streamline {feature.number}. The melt's own pressure falls from "
-            f"{MPA * own[0]:.2f} MPa to {MPA * own[-1]:.2f} MPa. Pressures on the fibers spread "
+            f"{MPA * own[0]:.2f} MPa to {round(MPA * own[-1], 2) + 0.0:.2f} MPa. Pressures on the fibers spread "
             "around it, most before the capillary's entrance and behind the nozzle's exit. The "
             f"lowest is {lowest.min():.2f} MPa at {time[at]:.3f} s, on the fiber that entered at "
             f"{start:.0f} degrees; no orientation gives less than {bound.min():.2f} MPa."

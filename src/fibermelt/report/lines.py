@@ -13,7 +13,7 @@ from fibermelt.report.style import BLUE, GREEN, VERMILION, Array
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ZONES", "Feature", "at_time", "features", "rest"]
+__all__ = ["ZONES", "Feature", "at_time", "features", "initial_angles", "rest"]
 
 FEATURES = ((4, BLUE), (10, VERMILION), (18, GREEN))
 """The paper's feature streamlines of its 22 and their colours, the same in every figure."""
@@ -68,3 +68,9 @@ def at_time(results: xr.Dataset, name: str, row: int, when: Array) -> Array:
     time, values = results["time"].to_numpy()[row], results[name].to_numpy()[row]
     found: Array = np.interp(when, time, values)
     return found
+
+
+def initial_angles(results: xr.Dataset) -> str:
+    """Return how many initial angles there are, in words."""
+    count = results.sizes["initial_angle"]
+    return f"{count} initial angle" + ("s" if count != 1 else "")

@@ -19,14 +19,13 @@ from fibermelt.report.drawing import (
     draw_metal,
     draw_outline,
     frame,
-    free_room,
     main_scene,
     mark_window,
     paint,
     scale_bar,
     scene_axes,
 )
-from fibermelt.report.lines import features
+from fibermelt.report.lines import features, initial_angles
 from fibermelt.report.scene import MM, Scene, Window, read_scene
 from fibermelt.report.style import (
     ATMOSPHERE,
@@ -48,8 +47,8 @@ __all__ = ["figure_overview", "overview_words"]
 MPA = 1e-6
 """Megapascals in a pascal."""
 
-CHARTS = 64.0
-"""Height of the charts below the scene [mm]."""
+CHARTS, SCALE = 64.0, 21.0
+"""Height of the charts below the scene, and of the colour scale above the exit [mm]."""
 
 PLACES = ("above mid-capillary", "below mid-capillary")
 """Where the paper's Loc. 1 and Loc. 2 lie."""
@@ -63,8 +62,7 @@ FIBERS = "#404040"
 def figure_overview(results: xr.Dataset) -> Figure:
     """Draw the lowest surface pressure over the bead, and the extremes by streamline."""
     scene = read_scene(results)
-    figure, axes = main_scene(scene, below=CHARTS)
-    room = free_room(axes, scene)
+    figure, axes, room = main_scene(scene, extra=SCALE, below=CHARTS)
     gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
     carpet = weave(results)
     own = MPA * results["pressure"].to_numpy()
@@ -183,7 +181,6 @@ def _by_streamline(axes: Axes, results: xr.Dataset, location: int) -> None:
 def _key(results: xr.Dataset) -> list[Line2D | Patch]:
     """Return what the charts' lines, points and bands mean."""
     level = results["quantile"].to_numpy()
-    count = results.sizes["initial_angle"]
     return [
         Line2D([], [], color=LOW, linewidth=1.4, label="mean"),
         Line2D([], [], color=LOW, linewidth=0.9, linestyle=DASHES, label="median"),
@@ -194,7 +191,7 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
             marker="o",
             color=FIBERS,
             markersize=2.5,
-            label=f"{count} initial angles",
+            label=initial_angles(results),
         ),
         Patch(
             facecolor=LOW,
@@ -238,11 +235,12 @@ def overview_words(results: xr.Dataset) -> Words:
             "its numbers depend on the mesh."
         ),
         alt=(
-            "Map of a nozzle over a bed: high pressure in the nozzle, below the atmosphere's in "
-            "the gap where the melt turns, none in the settled bead. Away from singular corners "
+            "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
+            "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
             f"the worst orientation gives {chosen[row, at]:.2f} MPa, on streamline "
             f"{int(results['streamline'][row])} at x = {where[0]:.1f} mm, y = {where[1]:.1f} mm. "
-            "Two charts by streamline: the mean drop on a fiber at Loc. 1 lies between "
+            "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its mean "
+            "over the initial angles lies at Loc. 1 between "
             f"{mean[0].min():.2f} and {mean[0].max():.2f} MPa, at Loc. 2 between "
             f"{mean[1].min():.2f} and {mean[1].max():.2f} MPa."
         ),

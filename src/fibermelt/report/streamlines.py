@@ -15,7 +15,6 @@ from fibermelt.report.drawing import (
     draw_metal,
     draw_outline,
     frame,
-    free_room,
     main_scene,
     mark_window,
     scale_bar,
@@ -42,6 +41,9 @@ __all__ = ["draw_zones", "figure_streamlines", "streamlines_words"]
 PLACES = (("o", PINK), ("^", ORANGE))
 """Mark and colour of the places of Loc. 1 and Loc. 2."""
 
+KEY = 22.0
+"""Height of the key to the marks [mm]."""
+
 ZONE_DASHES = (0, (2.5, 1.5))
 
 
@@ -49,13 +51,12 @@ ZONE_DASHES = (0, (2.5, 1.5))
 def figure_streamlines(results: xr.Dataset) -> Figure:
     """Draw all streamlines in the nozzle's outline, and the gap once more, larger."""
     scene = read_scene(results)
-    figure, axes = main_scene(scene)
+    figure, axes, room = main_scene(scene, extra=KEY)
     _paint(axes, scene, scene.whole, results)
     draw_bed_motion(axes, results, scene)
     _numbers(axes, results)
     mark_window(axes, scene.exit)
 
-    room = free_room(axes, scene)
     gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
     _paint(gap, scene, scene.exit, results)
     frame(gap)
@@ -63,10 +64,9 @@ def figure_streamlines(results: xr.Dataset) -> Figure:
     scale_bar(gap, scene.exit, height=0.85, share=0.12)
     _places(axes, results)
     _places(gap, results)
-    free = room.height - room.fit(scene.exit) - 6.0
-    key = add_axes(figure, room.left, room.top - free, room.width, free)
+    key = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 7.0, room.width, KEY)
     key.set_axis_off()
-    key.legend(handles=_key(results), loc="upper left", labelspacing=0.55)
+    key.legend(handles=_key(results), loc="lower left", labelspacing=0.55)
     return figure
 
 
@@ -117,6 +117,8 @@ def draw_zones(axes: Axes, results: xr.Dataset) -> None:
         )
         axes.plot(x, y, color=INK, linewidth=0.9, linestyle=ZONE_DASHES, zorder=4)
         end = int(np.argmax(y)) if zone == 2 else -1
+        if not axes.viewLim.contains(x[end], y[end]):
+            continue
         axes.annotate(
             str(zone + 1),
             (x[end], y[end]),
@@ -128,7 +130,6 @@ def draw_zones(axes: Axes, results: xr.Dataset) -> None:
             color="white",
             fontweight="bold",
             zorder=7,
-            annotation_clip=True,
             bbox={"boxstyle": "circle,pad=0.18", "facecolor": INK, "edgecolor": "none"},
         )
 

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import struct
+import subprocess
+import sys
+from itertools import combinations
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import matplotlib as mpl
+import pytest
+import xarray as xr
+from drawn_bead import made_up
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from fibermelt.report.figures import FIGURES, Plate, draw_figures
+from fibermelt.report.style import FULL, PNG_DOTS, STYLE, save
+
+SMALLEST_TYPE = 6.0
+"""Points; smaller type cannot be read on paper."""
+
+LARGEST_SVG = 1_000_000
+"""Bytes; eight of them and their PNG must fit into a report of 5 MB."""
+
+every_figure = pytest.mark.parametrize("plate", FIGURES, ids=lambda plate: plate.name)
+
+
+@pytest.fixture(scope="module")
+def results() -> xr.Dataset:
+    return made_up()
+
+
+@pytest.fixture(scope="module")
+def folder(results: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("figures")
+    written = draw_figures(results, folder)
+    assert sorted(written) == sorted(folder.iterdir())
+    return folder
+
+
+@every_figure
+def test_png_is_as_wide_as_a_page(plate: Plate, folder: Path) -> None:
+    data = (folder / f"{plate.name}.png").read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">II", data[16:24])
+    assert abs(width - FULL / 25.4 * PNG_DOTS) <= 1
+    assert 0.3 * width < height < 1.2 * width
+
+
+@every_figure
+def test_svg_is_small_and_says_what_it_is(plate: Plate, folder: Path) -> None:
+    data = (folder / f"{plate.name}.svg").read_bytes()
+    assert len(data) < LARGEST_SVG
+    root = ET.fromstring(data)
+    assert root.findtext("{http://www.w3.org/2000/svg}title") == plate.title
+    assert b"<dc:date" not in data
+
+
+@every_figure
+def test_same_results_give_same_bytes_whatever_the_users_settings(
+    plate: Plate, results: xr.Dataset, folder: Path, tmp_path: Path
+) -> None:
+    with mpl.rc_context({"font.size": 20, "svg.hashsalt": "another", "lines.linewidth": 9}):
+        again = save(plate.draw(results), tmp_path / plate.name, plate.title, plate.words(results))
+        assert mpl.rcParams["font.size"] == 20
+    for path in again:
+        assert path.read_bytes() == (folder / path.name).read_bytes()
+
+
+@every_figure
+def test_words_tell_numbers_and_are_no_leftovers(plate: Plate, results: xr.Dataset) -> None:
+    words = plate.words(results)
+    for text in (words.caption, words.alt):
+        assert len(text) > 80
+        assert text.endswith(".")
+        assert "nan" not in text
+        assert "  " not in text
+        assert "{" not in text
+    assert words.caption != words.alt
+
+
+def _tick_labels(axes: Axes) -> list[Text]:
+    """Tick labels that are drawn: matplotlib keeps those beyond the scale's ends as well."""
+    labels = []
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        labels += [t.label1 for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+        labels.append(axis.label)
+    return labels
+
+
+def _texts(figure: Figure) -> list[Text]:
+    found: list[Text] = []
+    for axes in figure.axes:
+        found += axes.texts
+        if axes.axison:
+            found += _tick_labels(axes)
+        legend = axes.get_legend()
+        if legend is not None:
+            found += legend.get_texts()
+    return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+@every_figure
+@pytest.mark.parametrize("count", [22, 1])
+def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
+    plate: Plate, count: int, results: xr.Dataset
+) -> None:
+    figure = plate.draw(results if count == 22 else made_up(count=count, angles=1))
+    canvas = FigureCanvasAgg(figure)
+    with mpl.rc_context(STYLE):
+        canvas.draw()
+        boxes = [
+            (text.get_text(), text.get_window_extent(canvas.get_renderer()), text.get_fontsize())
+            for text in _texts(figure)
+        ]
+    assert boxes
+    for name, box, size in boxes:
+        assert size >= SMALLEST_TYPE, name
+        assert box.x0 >= 0, name
+        assert box.y0 >= 0, name
+        assert box.x1 <= figure.bbox.width, name
+        assert box.y1 <= figure.bbox.height, name
+    for (one, first, _), (other, second, _) in combinations(boxes, 2):
+        assert not first.overlaps(second), f"{one!r} overlaps {other!r}"
+
+
+@every_figure
+def test_drawing_leaves_the_results_alone(plate: Plate, results: xr.Dataset) -> None:
+    before = results.copy(deep=True)
+    plate.draw(results)
+    plate.words(results)
+    xr.testing.assert_identical(results, before)
+
+
+def test_words_follow_the_numbers() -> None:
+    overview = next(plate for plate in FIGURES if plate.name == "overview")
+    calm = made_up()
+    deep = calm.assign(bound_lowest=2 * calm["bound_lowest"])
+    deep["extreme"] = 2 * calm["extreme"]
+    assert overview.words(calm).alt != overview.words(deep).alt
+
+
+def test_command_line_starts_without_matplotlib() -> None:
+    code = "import sys, fibermelt.cli; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
