@@ -78,8 +78,8 @@ def test_a_window_shows_only_what_reaches_into_it(scene: Scene) -> None:
 
 def test_straight_edges_are_two_points_and_bent_ones_all() -> None:
     points = np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.5, 0.1]])
-    assert len(curves(points, np.array([[0, 1, 2]])).vertices) == 2
-    assert len(curves(points, np.array([[0, 3, 2]])).vertices) == 3
+    assert len(curves(points, np.array([[0, 1, 2]]), 0.05).vertices) == 2
+    assert len(curves(points, np.array([[0, 3, 2]]), 0.05).vertices) == 3
 
 
 def test_strips_cover_what_lies_between_the_lines_and_reproduce_values(

@@ -206,6 +206,15 @@ def test_the_order_of_the_axes_does_not_matter(axes: tuple[float, float, float],
     assert one.tip_stiffness > 0.0
 
 
+def test_worst_places_are_tips_and_equator() -> None:
+    """``(c_a - c_o)(c_t + c_o) >= c_s^2``, on which the bounds rest: equal for the sphere only."""
+    for logarithm in np.linspace(-3.0, 3.0, 241):
+        r = spheroid(float(10.0**logarithm))
+        margin = (r.axial - r.offset) * (r.transverse + r.offset) / r.shear**2 - 1.0
+        # near the sphere 0.78 (r_e - 1)^2, and rounding
+        assert margin >= 0.5 * min(logarithm**2, 1.0) - 1e-13
+
+
 def test_many_at_once_are_the_same_as_one_by_one() -> None:
     """Leading axes broadcast; more fibers than a block of the evaluation holds."""
     rng = np.random.default_rng(0)
@@ -237,8 +246,9 @@ def test_bad_input() -> None:
         Spheroid(-1.0, 6.0)
     with pytest.raises(ConfigError, match=r"fiber.semi_axes\[1\] = 0 m"):
         Ellipsoid((1.0, 0.0, 1.0))
-    with pytest.raises(HistoryError, match=r"gradient\[1\] has trace 0.5 1/s"):
-        response.extremes(np.stack([np.zeros((3, 3)), np.diag([0.5, 0.0, 0.0])]), axis)
+    for trace in (0.5, -0.5):
+        with pytest.raises(HistoryError, match=rf"gradient\[1\] has trace {trace} 1/s"):
+            response.extremes(np.stack([np.zeros((3, 3)), np.diag([trace, 0.0, 0.0])]), axis)
     broken = np.zeros((3, 3))
     for value in (np.nan, np.inf):
         broken[0, 1] = value

@@ -8,6 +8,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution, CellSystem
+from fibermelt.fiber.directions import (
+    equal_area_directions,
+    jeffery_director,
+    orbit_constant,
+    orbit_phase,
+    planar_directions,
+)
 from fibermelt.fiber.directors import DirectorMotion, GradientPath, follow_directors
 from fibermelt.fiber.ellipse_field import (
     EllipseField,
@@ -53,13 +60,6 @@ from fibermelt.fiber.motion import (
 from fibermelt.fiber.newton_motion import NewtonMotion, follow_newton
 from fibermelt.fiber.newton_orbit import orbit_newton
 from fibermelt.fiber.orbit import Orbit, orbit
-from fibermelt.fiber.orbits import (
-    equal_area_directions,
-    jeffery_director,
-    orbit_constant,
-    orbit_phase,
-    planar_directions,
-)
 from fibermelt.fiber.paths import PathBundle
 from fibermelt.fiber.population import IsotropicPressure, isotropic_pressure
 from fibermelt.fiber.pressure import (

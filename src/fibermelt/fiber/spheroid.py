@@ -183,7 +183,7 @@ class SpheroidResponse:
         """
         L = checked_gradient(gradient, 3)
         low, high, _, _ = extreme_eigenpairs(_strain(L))
-        constants = (self.axial, self.shear, self.transverse, self.offset)
+        constants = (self.axial, self.transverse, self.offset)
         return -orientation_bound(constants, -high, -low), orientation_bound(constants, low, high)
 
     def _stress(self, L: Array, p: Vector) -> Components:

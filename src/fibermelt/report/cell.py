@@ -209,9 +209,9 @@ def cell_words(results: xr.Dataset) -> Words:
             "surface. Red: lower than the melt's own pressure."
         ),
         alt=(
-            f"An ellipse {aspect:g} times as long as wide in a circle, with rays and rings of curved "
-            "elements that are finest at its two tips. In simple shear the pressure around it is "
-            f"lowest, {found.pressure:.1f} times viscosity times shear rate, at the eccentric angle "
-            f"{where:.0f}° and at the opposite point of the surface."
+            f"An ellipse {aspect:g} times as long as wide in a circle, with rays and rings of "
+            "curved elements that are finest at its two tips. In simple shear the pressure "
+            f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
+            f"eccentric angle {where:.0f}° and at the opposite point of the surface."
         ),
     )

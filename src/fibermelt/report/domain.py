@@ -75,7 +75,7 @@ def _paint(axes: Axes, scene: Scene, window: Window, linewidth: float) -> None:
     draw_metal(axes, scene)
     draw_bed(axes, window)
     draw_outline(axes, scene, fill=True)
-    draw_mesh(axes, scene, MESH, linewidth)
+    draw_mesh(axes, scene, window, MESH, linewidth)
 
 
 def _boundaries(axes: Axes, scene: Scene, results: xr.Dataset) -> None:

@@ -49,8 +49,11 @@ MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 10.0, 8.5, 136.0
 ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
 """Least and largest width of the room beside the nozzle, and what stays free at its right [mm]."""
 
-STRAIGHT = 2e-3
-"""An edge that bends less than this [mm] is drawn straight: a fraction of a line's width."""
+STRAIGHT = 0.02
+"""An edge that bends less on paper [mm], a quarter of a line's width, is drawn straight."""
+
+MOST_EDGES = 6000
+"""A mesh of more edges than this is painted in dots inside SVG, which would grow beyond 1 MB."""
 
 
 def scene_axes(figure: Figure, left: float, bottom: float, width: float, window: Window) -> Axes:
@@ -159,14 +162,14 @@ def scale_bar(axes: Axes, window: Window, *, height: float = 0.08, share: float 
     )
 
 
-def curves(points: Array, edges: Index, straight: float = STRAIGHT) -> Path:
+def curves(points: Array, edges: Index, straight: float) -> Path:
     """Return edges (n, k) as one path; those that bend less than ``straight`` by their ends."""
     lines = points[edges]
     chord = lines[:, -1] - lines[:, 0]
     away = lines - lines[:, :1]
     bend = np.abs(away[..., 0] * chord[:, None, 1] - away[..., 1] * chord[:, None, 0])
     bent = bend.max(axis=1) > straight * np.hypot(*chord.T)
-    pieces = [line for line in lines[~bent][:, [0, -1]]] + list(lines[bent])  # noqa: C416
+    pieces = [*lines[~bent][:, [0, -1]], *lines[bent]]
     codes = [np.r_[Path.MOVETO, np.full(len(p) - 1, Path.LINETO)] for p in pieces]
     return Path(np.vstack(pieces), np.concatenate(codes).astype(np.uint8))
 
@@ -230,14 +233,21 @@ def draw_field(
     return paint(axes, Triangulation(x, y, inside(scene, window)), values, norm, cmap)
 
 
-def draw_mesh(axes: Axes, scene: Scene, color: str, linewidth: float) -> None:
-    """Draw the curved triangles by their edges."""
+def draw_mesh(axes: Axes, scene: Scene, window: Window, color: str, linewidth: float) -> None:
+    """Draw the curved triangles by their edges, as far as a window shows them."""
+    lines = scene.points[scene.edges]
+    low, high = lines.min(axis=1), lines.max(axis=1)
+    here = (high > [window.left, window.bottom]).all(axis=1)
+    here &= (low < [window.right, window.top]).all(axis=1)
+    paper = FULL * axes.get_position().width
+    straight = STRAIGHT * window.size[0] / paper
     axes.add_artist(
         PathPatch(
-            curves(scene.points, scene.edges),
+            curves(scene.points, scene.edges[here], straight),
             facecolor="none",
             edgecolor=color,
             linewidth=linewidth,
+            rasterized=bool(np.count_nonzero(here) > MOST_EDGES),
             zorder=2,
         )
     )

@@ -207,8 +207,9 @@ def history_words(results: xr.Dataset) -> Words:
         ),
         alt=(
             f"Curves over time on streamline {feature.number}. The melt's own pressure falls from "
-            f"{MPA * own[0]:.2f} MPa to {round(MPA * own[-1], 2) + 0.0:.2f} MPa. Pressures on the fibers spread "
-            "around it, most before the capillary's entrance and behind the nozzle's exit. The "
+            f"{MPA * own[0]:.2f} MPa to {round(MPA * own[-1], 2) + 0.0:.2f} MPa. "
+            "Pressures on the fibers spread around it, most before the capillary's entrance and "
+            "behind the nozzle's exit. The "
             f"lowest is {lowest.min():.2f} MPa at {time[at]:.3f} s, on the fiber that entered at "
             f"{start:.0f} degrees; no orientation gives less than {bound.min():.2f} MPa."
         ),

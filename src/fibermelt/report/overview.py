@@ -239,8 +239,8 @@ def overview_words(results: xr.Dataset) -> Words:
             "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
             f"the worst orientation gives {chosen[row, at]:.2f} MPa, on streamline "
             f"{int(results['streamline'][row])} at x = {where[0]:.1f} mm, y = {where[1]:.1f} mm. "
-            "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its mean "
-            "over the initial angles lies at Loc. 1 between "
+            "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its "
+            "mean over the initial angles lies at Loc. 1 between "
             f"{mean[0].min():.2f} and {mean[0].max():.2f} MPa, at Loc. 2 between "
             f"{mean[1].min():.2f} and {mean[1].max():.2f} MPa."
         ),
