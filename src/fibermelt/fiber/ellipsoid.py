@@ -12,7 +12,7 @@ is at work. Matching (integrals of `fibermelt.fiber.ellipsoid_integrals`, body a
 
     T_ij = 4 mu D_ij / ((a_i^2 + a_j^2) I_ij),  i != j,
     T_ii = 4 mu w_i D_ii / (w_1 w_2 + w_2 w_3 + w_3 w_1),   w_1 = K_23, w_2 = K_31, w_3 = K_12,
-    omega_1 = Omega_1 + (a_2^2 - a_3^2)/(a_2^2 + a_3^2) D_23  and cyclic (Jeffery's Eq. 37),
+    omega_1 = Omega_1 + (a_2^2 - a_3^2)/(a_2^2 + a_3^2) D_23  and cyclic (Jeffery 1922),
 
 up to a multiple of the identity in ``T``, which stirs nothing. ``d_i d_j Psi`` is ``-2 pi I_i
 delta_ij`` inside and jumps by ``4 pi n_i n_j`` on the way out. So on the surface
