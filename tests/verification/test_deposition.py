@@ -205,6 +205,22 @@ def test_gaps_without_a_bead_are_refused(gap: float, words: str) -> None:
         solve_deposition(Deposition(Nozzle(gap=gap), Newtonian(817.0)), COARSE)
 
 
+def test_a_melt_drawn_down_too_far_is_refused_with_the_right_advice() -> None:
+    problem = Deposition(Nozzle(), Newtonian(817.0), bed_speed=1.0)
+    with pytest.raises(ConvergenceError, match=r"9\.84 bead heights.*lower flow\.gap"):
+        solve_deposition(problem, COARSE)
+
+
+def test_a_faster_bed_carries_the_contact_along() -> None:
+    contact = [
+        solve_deposition(
+            Deposition(Nozzle(), Newtonian(817.0), bed_speed=speed), COARSE
+        ).contact_point
+        for speed in (0.15, 0.18, 0.19)
+    ]
+    assert np.all(np.diff(contact) > 0)
+
+
 @pytest.mark.parametrize("gap", [2.55e-3, 2.6e-3, 4.0e-3, 6.0e-3])
 def test_other_gaps_converge(gap: float) -> None:
     flow = solve_deposition(Deposition(Nozzle(gap=gap), Newtonian(817.0)), COARSE)

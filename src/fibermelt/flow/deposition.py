@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
 
+LARGEST_ERROR = 0.02
+"""Estimated error of the contact point [widths] above which there is no answer to speak of."""
+
 CLIMB = 1e-3
 """A surface this many widths above the lip wets the nozzle's outer face, which is not in here."""
 
@@ -107,6 +110,20 @@ def _check_climb(problem: Deposition, surfaces: Surfaces) -> None:
         raise ConvergenceError(msg)
 
 
+def _check_contact(problem: Deposition, contact: float, error: float) -> None:
+    """Raise if two meshes place the contact point so differently that neither can be believed."""
+    if error > LARGEST_ERROR:
+        width, nozzle = problem.nozzle.capillary_width, problem.nozzle
+        msg = (
+            f"deposition flow: the contact point is found at x = {contact * width:.4g} m with an "
+            f"estimated error of {error * width:.2g} m (bound {LARGEST_ERROR * width:.2g} m): with "
+            f"flow.gap = {nozzle.gap:g} m and a bead {problem.mass_balance_height:.4g} m high the "
+            "melt touches down at so flat an angle that its place is hardly determined; lower "
+            "flow.gap or flow.bed_speed, or halve numerics.contact_edge and numerics.surface_edge"
+        )
+        raise ConvergenceError(msg)
+
+
 def _inlet_pressure(flow: FreeSurfaceFlow) -> float:
     inlet = ng.ds("inlet")
     total = ng.Integrate(flow.pressure * inlet, flow.mesh)
@@ -156,6 +173,7 @@ def solve_deposition(
     width, speed, viscosity = units
     stress = viscosity * speed / width
     contact, heel = surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min()
+    _check_contact(problem, float(contact), float(abs(contact - seen[0])))
     pressure = _inlet_pressure(flow)
     height = float(surfaces.downstream[-1, 1]) * width
     return FlowSolution(

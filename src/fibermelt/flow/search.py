@@ -21,9 +21,16 @@ Progress = Callable[[str], None]
 COARSE = FlowNumerics(
     lip_edge=0.05, contact_edge=0.1, corner_edge=0.2, surface_edge=0.15, bulk_edge=0.3
 )
-"""The mesh that finds the surfaces: 500 triangles, 0.1 s a step."""
+"""The mesh that finds the surfaces: 500 triangles, 0.1 s a step; finer for a bead lower than a
+capillary width, down to a third."""
 
-MAX_COARSE_MESHES = 30
+THINNEST = 0.3
+"""Bead height [widths] below which the coarse mesh is refined no further."""
+
+DRAWN_DOWN = 1.25
+"""Gap over bead height above which a search that fails has been pulling the melt, not piling it."""
+
+MAX_COARSE_MESHES = 20
 """Gaps from 0.83 to 2 bead heights need 2 to 7; the rest is for slow steps of implicit time."""
 
 STEPS_A_COARSE_MESH = 4
@@ -134,9 +141,11 @@ class SurfaceSearch:
         """
         rate = 0.0
         surfaces = _first_surfaces(self.problem, self.nozzle, contact_guess)
+        height = self.problem.mass_balance_height / self.problem.nozzle.capillary_width
+        coarse = COARSE.coarsened(min(1.0, max(height, THINNEST)))
         for _ in range(MAX_COARSE_MESHES):
             try:
-                flow = self.start(surfaces, COARSE)
+                flow = self.start(surfaces, coarse)
             except MeshError as reason:
                 raise self._no_steady_surface(surfaces) from reason
             for _ in range(STEPS_A_COARSE_MESH):
@@ -184,15 +193,23 @@ class SurfaceSearch:
         )
 
     def _no_steady_surface(self, surfaces: Surfaces) -> ConvergenceError:
-        width = self.problem.nozzle.capillary_width
-        up = surfaces.upstream * width
-        height = self.problem.mass_balance_height
-        gap = self.problem.nozzle.gap
+        """Return what to say when the search ends without an answer, and which way to go."""
+        up = surfaces.upstream * self.problem.nozzle.capillary_width
+        height, gap = self.problem.mass_balance_height, self.problem.nozzle.gap
+        if gap > DRAWN_DOWN * height:
+            reason = (
+                f"the gap is {gap / height:.3g} bead heights, and the melt is drawn down so far "
+                "that its contact with the bed is hardly determined; lower flow.gap or "
+                "flow.bed_speed, or raise flow.inlet_speed"
+            )
+        else:
+            reason = (
+                f"below a gap of about 0.83 bead heights ({0.83 * height:.4g} m) the melt climbs "
+                "the nozzle; raise flow.gap or flow.bed_speed, or lower flow.inlet_speed"
+            )
         return ConvergenceError(
             f"deposition flow: no steady free surface found for flow.gap = {gap:g} m after "
-            f"{self.meshes} meshes and {self.newton_steps} Newton steps: the upstream surface was "
-            f"last seen reaching back to x = {up[:, 0].min():.4g} m and up to y = "
-            f"{up[:, 1].max():.4g} m; the bead is {height:.4g} m high, and below a gap of about "
-            f"0.83 of that ({0.83 * height:.4g} m) the melt climbs the nozzle; raise flow.gap or "
-            "flow.bed_speed, or lower flow.inlet_speed"
+            f"{self.meshes} meshes and {self.newton_steps} steps: the upstream surface was last "
+            f"seen from x = {up[:, 0].min():.4g} to {up[-1, 0]:.4g} m and up to y = "
+            f"{up[:, 1].max():.4g} m; the bead is {height:.4g} m high: {reason}"
         )
