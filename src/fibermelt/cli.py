@@ -6,16 +6,18 @@ error; 130 interrupted.
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib import import_module
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fibermelt.errors import FibermeltError
+from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,16 +63,52 @@ def _told() -> Iterator[None]:
     try:
         yield
     except FibermeltError as error:
-        for line in str(error).splitlines():
-            typer.echo(f"error: {line}", err=True)
+        # Only a study has several faults at once; a path may hold line breaks of its own.
+        faults = str(error).split("\n") if isinstance(error, ConfigError) else [str(error)]
+        for fault in faults:
+            typer.echo(f"error: {legible(fault, len(fault))}", err=True)
         raise typer.Exit(MISTAKE) from None
+
+
+def _print(text: str, *, newline: bool = True) -> None:
+    """Print on standard output, or say why that cannot be: a full disk behind it, say."""
+    try:
+        typer.echo(text, nl=newline)
+    except OSError as error:
+        if error.errno == errno.EPIPE:
+            raise
+        # What is still buffered would fail once more, with a traceback, as the process ends.
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        reason = (error.strerror or str(error)).lower()
+        msg = f"standard output: cannot be written: {reason}"
+        raise StoreError(msg) from error
+
+
+def _print_version(asked: bool) -> None:
+    """Print the version and stop, where `--version` asks for it."""
+    if asked:
+        version()
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    _version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Take what is said before a command."""
 
 
 @app.command()
 def run(
     study: StudyArgument,
     out: Annotated[
-        Path | None,
+        str | None,
         typer.Option("--out", metavar="DIR", help="Results folder; results/<study> by default."),
     ] = None,
     sets: SetOption = None,
@@ -82,13 +120,20 @@ def run(
     """Run a study into a results folder; what is stored there already is reused."""
     with _told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
-        from fibermelt.study.loading import load_study  # noqa: PLC0415
+        from fibermelt.study.loading import load_study, replaces_another  # noqa: PLC0415
         from fibermelt.study.progress import observing  # noqa: PLC0415
         from fibermelt.study.runner import run_study  # noqa: PLC0415
         from fibermelt.study.summary import in_words  # noqa: PLC0415
 
         resolved = load_study(study, sets or [])
-        folder = Path("results", resolved.name) if out is None else out
+        folder = _folder(out, resolved.name)
+        if out is None and sets and replaces_another(folder, resolved.config):
+            shown = legible(str(folder), len(str(folder)))
+            typer.echo(
+                f"note: {shown} shows a run of other parameters, which this one replaces; "
+                "name another folder with --out to keep both",
+                err=True,
+            )
         try:
             with observing() as observer:
                 summary = run_study(
@@ -100,19 +145,23 @@ def run(
                 err=True,
             )
             raise typer.Exit(INTERRUPTED) from None
-        typer.echo(json.dumps(summary, indent=1) if as_json else in_words(summary, folder))
+        _print(json.dumps(summary, indent=1) if as_json else in_words(summary, folder))
+
+
+def _folder(out: str | None, name: str) -> Path:
+    """Return the results folder; an empty name would stand for the one that we are in."""
+    if out is not None and not out.strip():
+        msg = '--out "": is no name of a folder; write one, such as --out results/mine, or leave '
+        msg += "--out away"
+        raise StoreError(msg)
+    return Path("results", name) if out is None else Path(out)
 
 
 def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the figures: wired here, since the study does not know the report."""
-    try:
-        figures = import_module("fibermelt.report.figures")
-    except ModuleNotFoundError as error:
-        if error.name != "fibermelt.report.figures":
-            raise
-        return []
-    drawn: list[Path] = figures.draw_figures(results, folder)
-    return drawn
+    from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy, as in run
+
+    return draw_figures(results, folder)
 
 
 @app.command()
@@ -124,9 +173,9 @@ def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption =
 
         resolved = load_study(study, sets or [])
         if as_json:
-            typer.echo(json.dumps(flatten(resolved.config), indent=1))
+            _print(json.dumps(flatten(resolved.config), indent=1))
         else:
-            typer.echo(f"{study}: a valid study ({resolved.origin})")
+            _print(f"{legible(study, len(study))}: a valid study ({resolved.origin})")
 
 
 @app.command()
@@ -138,7 +187,7 @@ def defaults(as_json: JsonOption = False) -> None:
         from fibermelt.study.toml import defaults_toml  # noqa: PLC0415
 
         if not as_json:
-            typer.echo(defaults_toml(), nl=False)
+            _print(defaults_toml(), newline=False)
             return
         listed = {
             item.key: {
@@ -150,13 +199,14 @@ def defaults(as_json: JsonOption = False) -> None:
             }
             for item in declarations(Config)
         }
-        typer.echo(json.dumps(listed, indent=1))
+        _print(json.dumps(listed, indent=1))
 
 
 @app.command()
 def version(as_json: JsonOption = False) -> None:
     """Print the version."""
-    from importlib.metadata import version as installed  # noqa: PLC0415  only here
+    with _told():
+        from importlib.metadata import version as installed  # noqa: PLC0415  only here
 
-    number = installed("fibermelt")
-    typer.echo(json.dumps({"fibermelt": number}) if as_json else f"fibermelt {number}")
+        number = installed("fibermelt")
+        _print(json.dumps({"fibermelt": number}) if as_json else f"fibermelt {number}")

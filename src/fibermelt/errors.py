@@ -9,7 +9,11 @@ __all__ = [
     "HistoryError",
     "MeshError",
     "StoreError",
+    "legible",
 ]
+
+LONGEST = 60
+"""Characters of a key, a value or a unit that a message repeats: enough to know it again."""
 
 
 class FibermeltError(Exception):
@@ -34,3 +38,25 @@ class HistoryError(FibermeltError):
 
 class StoreError(FibermeltError):
     """A results folder that cannot be read or written: damaged, foreign, read-only or full."""
+
+
+def legible(text: str, longest: int = LONGEST) -> str:
+    """Return what somebody wrote so that it fits into a message of one line.
+
+    Parameters
+    ----------
+    text : str
+        A key, a value, a unit or a path.
+    longest : int
+        Characters that are kept; what is longer is cut and ends in three dots.
+
+    Returns
+    -------
+    str
+        The text with line breaks, control and other characters that do not print escaped.
+    """
+    cut = text if len(text) <= longest else f"{text[: longest - 3]}..."
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode()
+        for character in cut
+    )

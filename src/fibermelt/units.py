@@ -13,7 +13,7 @@ from functools import cache
 from tokenize import TokenError
 from typing import TYPE_CHECKING
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import LONGEST, ConfigError, legible
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -21,14 +21,18 @@ if TYPE_CHECKING:
 __all__ = ["parse", "shown"]
 
 _QUANTITY = re.compile(
-    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>(?:1\s*/|[^\d\s]).*)?",
+    r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
+    r"\s*+(?P<unit>(?:1\s*+/|[^\d\s]).*)?",
     re.DOTALL,
 )
-_UNIT = re.compile(r"(?:1?\s*/)?(?:[\s*/()]|[A-Za-z%µμ]+(?:\^?[+-]?\d)?)*")
+_UNIT = re.compile(r"(?:1?\s*+/)?(?:[\s*/()]|[A-Za-z%µμ]++(?:\^?[+-]?\d)?)*+")
 _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
+
+LINEARITY_TOLERANCE = 1e-9
+"""Largest part by which two units may miss the double of one: above rounding, below a decibel."""
 
 
 @cache
@@ -43,7 +47,7 @@ def _pint_unit(unit: str) -> str:
     """Return a unit as the unit library spells it: ``m3`` is ``m^3``, ``Pa·s`` a product."""
     spelled = unit.strip().replace("·", "*").replace("**", "^")
     spelled = spelled.replace("°C", "degC").replace("°", "deg").replace("%", "percent")
-    if not _UNIT.fullmatch(spelled):
+    if len(spelled) > LONGEST or not _UNIT.fullmatch(spelled):
         raise ValueError(unit)
     return _EXPONENT.sub(r"\1^\2", "1" + spelled if spelled.startswith("/") else spelled)
 
@@ -55,25 +59,38 @@ def _scale(unit: str, si_unit: str) -> tuple[float, float]:
     Raises
     ------
     ConfigError
-        If ``unit`` is not known or is of another dimension than ``si_unit``.
+        If ``unit`` is not known, is logarithmic, or is of another dimension than ``si_unit``.
     """
     import pint  # noqa: PLC0415  lazy, see _registry
 
     registry = _registry()
+    named = f'has the unit "{legible(unit)}", which'
     try:
         source = registry.parse_units(_pint_unit(unit))
     except (pint.PintError, ValueError, AssertionError, AttributeError, TokenError) as error:
-        msg = f'has the unit "{unit}", which is not known'
+        msg = f"{named} is not known"
         raise ConfigError(msg) from error
     target = registry.parse_units(_pint_unit(si_unit) if si_unit else "dimensionless")
     try:
-        zero = float(registry.Quantity(0.0, source).to(target).magnitude)
-        one = float(registry.Quantity(1.0, source).to(target).magnitude)
+        zero, one, two = (
+            float(registry.Quantity(count, source).to(target).magnitude)
+            for count in (0.0, 1.0, 2.0)
+        )
     except pint.DimensionalityError as error:
         wanted = "an angle" if si_unit == "rad" else _kind(target)
-        msg = f'has the unit "{unit}", which measures {_kind(source)}, not {wanted}'
+        msg = f"{named} measures {_kind(source)}, not {wanted}"
         raise ConfigError(msg) from error
-    return one - zero, zero
+    except (pint.PintError, OverflowError) as error:
+        msg = f"{named} cannot be converted to {si_unit or 'a pure number'}"
+        raise ConfigError(msg) from error
+    factor = one - zero
+    if not (math.isfinite(factor) and factor > 0):
+        msg = f"{named} cannot be converted to {si_unit or 'a pure number'}"
+        raise ConfigError(msg)
+    if abs(two - one - factor) > LINEARITY_TOLERANCE * max(abs(factor), abs(two)):
+        msg = f"{named} is logarithmic: write the value itself"
+        raise ConfigError(msg)
+    return factor, zero
 
 
 def _kind(unit: object) -> str:
@@ -127,22 +144,30 @@ def parse(value: object, unit: str) -> float:
         msg = f"is not a number{_with_unit(unit)}"
         raise ConfigError(msg)
     if not isinstance(value, str):
-        number = float(value)
+        number = _float(value)
     else:
         match = _QUANTITY.fullmatch(value)
         if match is None:
             msg = f"is not a number{_with_unit(unit)}"
             raise ConfigError(msg)
-        given = (match["unit"] or "").strip()
+        given, given_number = (match["unit"] or "").strip(), match["number"]
         if unit and not given:
-            msg = f"has no unit: write one, or the bare number {value.strip()} for {unit}"
+            msg = f"has no unit: write one, or the bare number {legible(given_number)} for {unit}"
             raise ConfigError(msg)
         factor, offset = _scale(given, unit) if given else (1.0, 0.0)
-        number = _scaled(match["number"], factor) + offset
+        number = _scaled(given_number, factor) + offset
     if not math.isfinite(number):
         msg = "is not finite"
         raise ConfigError(msg)
     return number
+
+
+def _float(number: float) -> float:
+    """Return a number as a float; an integer beyond the largest one is infinite."""
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
 
 
 def _with_unit(unit: str) -> str:

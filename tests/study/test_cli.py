@@ -4,7 +4,9 @@ import json
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
+import fakes
 import pytest
 from typer.testing import CliRunner
 
@@ -34,7 +36,7 @@ def test_defaults():
     assert listed["flow.gap"] == {
         "default": 0.003,
         "unit": "m",
-        "range": "above 0 m",
+        "range": "above 0 m and at most 1 m",
         "meaning": "Distance from the nozzle's lips to the bed.",
         "source": listed["flow.gap"]["source"],
     }
@@ -44,6 +46,8 @@ def test_defaults():
 def test_version():
     assert fibermelt("version").stdout.startswith("fibermelt ")
     assert set(json.loads(fibermelt("version", "--json").stdout)) == {"fibermelt"}
+    assert fibermelt("--version").stdout == fibermelt("version").stdout
+    assert fibermelt("--version").exit_code == 0
 
 
 @pytest.mark.parametrize("command", ["run", "validate"])
@@ -65,7 +69,8 @@ def test_version():
         (
             '[flow]\ninlet_width = "3 mm"',
             "error: flow.inlet_width = 0.003 m is narrower than flow.capillary_width = "
-            "0.003175 m: a nozzle narrows downwards",
+            "0.003175 m: a nozzle narrows downwards; widen flow.inlet_width or narrow "
+            "flow.capillary_width",
         ),
     ],
 )
@@ -95,6 +100,54 @@ def test_a_folder_that_cannot_be_written(tmp_path):
     assert "not a directory" in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert done.stdout == ""
+
+
+@pytest.mark.parametrize("out", ["", " "])
+def test_a_results_folder_has_a_name(tmp_path, monkeypatch, out):
+    monkeypatch.chdir(tmp_path)
+    done = fibermelt("run", "paper", "--out", out)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith('error: --out "": is no name of a folder')
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_message_is_one_line_whatever_the_path_holds(tmp_path):
+    (tmp_path / "fi\nle").write_text("")
+    done = fibermelt("run", "paper", "--out", tmp_path / "fi\nle/out")
+    assert done.exit_code == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert r"fi\nle/out" in done.stderr
+
+
+def test_results_of_other_parameters_are_not_replaced_in_silence(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fibermelt.study.chain.CHAIN", fakes.CHAIN)
+    monkeypatch.setattr("fibermelt.cli._draw", fakes.draw)
+    monkeypatch.setattr("fibermelt.study.summary.in_words", lambda summary, folder: str(folder))
+    other = ("-s", "flow.gap=3.5 mm")
+    note = "note: results/paper shows a run of other parameters, which this one replaces; "
+    assert "note" not in fibermelt("run", "paper").stderr
+    assert "note" not in fibermelt("run", "paper", *other, "--out", "results/mine").stderr
+    done = fibermelt("run", "paper", *other)
+    assert done.stderr.startswith(note)
+    assert "--out" in done.stderr.splitlines()[0]
+    assert done.exit_code == 0
+    assert "note" not in fibermelt("run", "paper", *other).stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a disk always full")
+@pytest.mark.parametrize("command", [["version", "--json"], ["--version"], ["defaults"]])
+def test_standard_output_that_cannot_be_written(command):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "fibermelt", *command],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr == ("error: standard output: cannot be written: no space left on device\n")
 
 
 HEAVY = ("ngsolve", "numpy", "xarray", "matplotlib", "pint", "pydantic", "scipy")

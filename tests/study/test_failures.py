@@ -50,6 +50,15 @@ def test_a_flipped_byte_is_named_and_fresh_mends_it(tmp_path, name):
     assert len(fakes.run(tmp_path / "out").lines) == 1
 
 
+def test_a_damaged_marker_is_named_and_fresh_mends_it(tmp_path):
+    fakes.run(tmp_path / "out")
+    (tmp_path / "out/stages/store.json").write_text('{"sch')
+    with pytest.raises(StoreError, match=r"store\.json: is damaged.*--fresh"):
+        fakes.run(tmp_path / "out")
+    fakes.run(tmp_path / "out", fresh=True)
+    assert len(fakes.run(tmp_path / "out").lines) == 1
+
+
 def test_a_truncated_file_is_named(tmp_path):
     fakes.run(tmp_path / "out")
     (victim,) = (tmp_path / "out").glob("stages/flow-*/data.nc")

@@ -49,6 +49,21 @@ def test_a_repeat_changes_nothing(tmp_path):
     assert contents(tmp_path / "out") == before
 
 
+def test_an_edited_config_that_is_run_is_brought_back_to_its_results(tmp_path):
+    """Edited to 3.5 mm and run with 3 mm, config.toml would show another study than the results."""
+    fakes.run(tmp_path / "out")
+    config = tmp_path / "out/config.toml"
+    edited = config.read_text().replace("gap = 0.003 ", "gap = 0.0035 ")
+    assert edited != config.read_text()
+    config.write_text(edited)
+    study = load_study(str(config), ["flow.gap=3 mm"])
+    notes = fakes.Notes()
+    run_study(study, tmp_path / "out", fakes.CHAIN, draw=fakes.draw, observer=notes)
+    assert notes.reused() == ["flow", "cell", "motion"]
+    assert load_study(str(config)).config.flow.gap == 0.003
+    assert "gives these results again, to rounding" in " ".join(config.read_text().split("\n# "))
+
+
 def test_only_what_depends_on_a_change_is_computed_again(tmp_path):
     fakes.run(tmp_path / "out")
     assert fakes.run(tmp_path / "out", "fiber.aspect_ratio=8").reused() == ["flow"]

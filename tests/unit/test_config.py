@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
-from fibermelt.study.loading import load_study, preset_names, resolve
+from fibermelt.study.loading import load_study, preset_names, replaces_another, resolve
 from fibermelt.study.parameters import declarations, flatten, quantity
 from fibermelt.study.toml import defaults_toml, resolved_toml, toml_value
 
@@ -103,17 +103,61 @@ ONE_LINE = [
     ),
     (
         "[streamlines]\ncount = 2.5",
-        r"^streamlines\.count = 2\.5: must be a whole number, at least 1$",
+        r"^streamlines\.count = 2\.5: must be a whole number, at least 1 and at most 1000$",
     ),
     ('preset = "papr"', r'^no study is called "papr"; did you mean paper\? \(shipped: .*paper'),
     ("preset = 3", r"^preset = 3: must be the name of a shipped study"),
     (
         '[flow]\ninlet_width = "2 mm"',
-        r"^flow\.inlet_width = 0\.002 m is narrower than flow\.capillary_width = 0\.003175 m",
+        r"^flow\.inlet_width = 0\.002 m is narrower than flow\.capillary_width = 0\.003175 m.*; "
+        r"widen flow\.inlet_width or narrow flow\.capillary_width$",
     ),
     (
         '[flow]\noutlet = "4 mm"',
         r"^flow\.outlet = 0\.004 m lies too near the nozzle: at least 0\.0075875 m",
+    ),
+    ("[fiber]\naspect_ratio = 51", r"must be at most 50 \(the fiber's cell is verified in this"),
+    ("[fiber]\ndomain_size = 2.005", r"must be at least 2\.01 \(the fiber's cell is verified in"),
+    ("[fiber]\ndomain_size = 201", r"must be at most 200 \(the fiber's cell is verified in this"),
+    ("[streamlines]\ncount = 1001", r"^streamlines\.count = 1001: must be at most 1000$"),
+    ("[streamlines]\npoints = 20001", r"^streamlines\.points = 20001: must be at most 20000$"),
+    ("[numerics]\nisotropic_angles = 10001", r"isotropic_angles = 10001: must be at most 10000$"),
+    ('[flow]\ngap = "1001 mm"', r'^flow\.gap = "1001 mm": must be at most 1 m$'),
+    ("[flow]\nbed_speed = 101", r"^flow\.bed_speed = 101: must be at most 100 m/s$"),
+    ("[melt]\nviscosity = 1e-7", r"^melt\.viscosity = 1e-07: must be at least 1e-06 Pa s$"),
+    ("[melt]\nviscosity = 1e13", r"viscosity = .*: must be at most 1e\+12 Pa s$"),
+    ("[melt]\ndensity = 1e6", r"density = 1000000\.0: must be at most 100000 kg/m\^3$"),
+    (
+        "[flow]\ngap = 1e-5",
+        r"^flow\.gap = 1e-05 m is 0\.00315 times flow\.capillary_width = 0\.003175 m: must be at "
+        r"least 3\.175e-05 m",
+    ),
+    (
+        "[flow]\ninlet_width = 0.4",
+        r"^flow\.inlet_width = 0\.4 m is 126 times flow\.capillary_width = 0\.003175 m: must be at "
+        r"most 0\.3175 m",
+    ),
+    (
+        '[fiber]\nhalf_length = "0.8 mm"',
+        r"^fiber\.half_length = 0\.0008 m is too long: its cell is 0\.0032 m across "
+        r"\(fiber\.domain_size = 4 half-lengths\), flow\.capillary_width = 0\.003175 m; shorten",
+    ),
+    (
+        "[fiber]\ninitial_angles = [0, -90]",
+        r"^fiber\.initial_angles: item 2 = -90 rad: .*a bare number is in radians; write "
+        r'"-90 deg"\)$',
+    ),
+    ("[fiber]\ninitial_angles = [[0]]", r'item 1 = "\[0\]" is not a number in rad'),
+    ("[flow]\ngap = " + "1" * 400, r"^flow\.gap = 1{57}\.\.\.: is not finite"),
+    ("[flow]\ngap = " + "1" * 5000, r"study\.toml: holds a number that is not finite: it has more"),
+    ("[flow]\ngap = 0x" + "f" * 5000, r"^flow\.gap = \.\.\.: is not finite"),
+    ("preset = 0x" + "f" * 5000, r"^preset = \.\.\.: must be the name of a shipped study"),
+    ("gap = " + "[" * 5000, r"study\.toml: is nested too deeply to be a study"),
+    ("gap" * 2000 + " = 3", r"^(gap){19}\.\.\.: unknown key"),
+    ('"ga\\np\\u001b" = 3', r"^ga\\np\\x1b: unknown key"),
+    (
+        '[fiber]\npressure_reference = "a\\n\\u001b[31m"',
+        r'^fiber\.pressure_reference = "a\\n\\x1b\[31m": must be',
     ),
     ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),
 ]
@@ -124,6 +168,72 @@ def test_one_line_says_what_is_wrong(tmp_path, text, message):
     with pytest.raises(ConfigError, match=message) as raised:
         load_study(study(tmp_path, text))
     assert len(str(raised.value).splitlines()) == 1
+    assert str(raised.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    "name", ["inlet_length", "taper_length", "capillary_length", "gap", "outlet"]
+)
+def test_lengths_are_those_of_one_nozzle(name):
+    """A hundredth of the capillary's width to a hundred of it; the outlet has a bound nearer by."""
+    width = PAPER.flow.capillary_width
+    resolve({"flow": {name: 99.9 * width}})
+    with pytest.raises(ConfigError, match=rf"flow\.{name} = .* 100 times flow\.capillary_width"):
+        resolve({"flow": {name: 100.1 * width}})
+    if name != "outlet":
+        resolve({"flow": {name: 0.0101 * width}})
+        with pytest.raises(ConfigError, match=rf"flow\.{name} = .*flow\.capillary_width"):
+            resolve({"flow": {name: 0.0099 * width}})
+
+
+def test_bounds_are_within():
+    """The paper's study at the bounds themselves."""
+    resolve(
+        {
+            "streamlines": {"count": 1000, "points": 20000},
+            "fiber": {"aspect_ratio": 50, "domain_size": 2.01, "initial_angles": ["-360 deg"]},
+            "numerics": {"isotropic_angles": 10000},
+        }
+    )
+    resolve({"fiber": {"domain_size": 200, "half_length": "10 um"}})
+
+
+def test_the_range_of_a_parameter_is_its_tightest():
+    (domain_size,) = (item for item in EVERY if item.key == "fiber.domain_size")
+    assert domain_size.range == "at least 2.01 and at most 200"
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path):
+    (tmp_path / "study.toml").write_bytes(b'\xef\xbb\xbfpreset = "paper"\n')
+    assert load_study(str(tmp_path / "study.toml")).config == PAPER
+
+
+def test_a_shipped_study_wins_over_a_folder_of_its_name(tmp_path, monkeypatch):
+    (tmp_path / "paper").mkdir()
+    (tmp_path / "mine").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert load_study("paper").config == PAPER
+    with pytest.raises(ConfigError, match=r"^mine: is a folder, .*such as mine/study\.toml$"):
+        load_study("mine")
+    (tmp_path / "mine/config.toml").write_text("")
+    with pytest.raises(ConfigError, match=r"^\./mine: is a folder, .* mine/config\.toml$"):
+        load_study("./mine")
+
+
+def test_where_a_study_came_from_is_told_on_one_line(tmp_path):
+    path = tmp_path / "a\n\udcff.toml"
+    path.write_text("")
+    loaded = load_study(str(path), ["flow.gap\x1f=3.5 mm"])
+    assert loaded.origin == r"a\n\udcff.toml, with flow.gap\x1f=3.5 mm"
+
+
+def test_results_of_other_parameters(tmp_path):
+    assert not replaces_another(tmp_path / "none", PAPER)
+    (tmp_path / "config.toml").write_text(resolved_toml(PAPER, "as it was run"))
+    assert not replaces_another(tmp_path, PAPER)
+    assert replaces_another(tmp_path, load_study("paper", ["flow.gap=3.5 mm"]).config)
+    (tmp_path / "config.toml").write_text("damaged")
+    assert not replaces_another(tmp_path, PAPER)
 
 
 def test_every_fault_has_its_line(tmp_path):
@@ -145,6 +255,9 @@ def test_every_fault_has_its_line(tmp_path):
         ("papr", "did you mean paper"),
         ("nope.toml", "nope.toml: no such study file; the shipped studies are: .*paper"),
         ("no/where", "no/where: no such study file"),
+        ("a" * 5000, r"^a{197}\.\.\.: no such study file: file name too long$"),
+        ("x\ny", r'^no study is called "x\\ny"'),
+        ("x\ny.toml", r"^x\\ny\.toml: no such study file"),
     ],
 )
 def test_a_study_that_is_not_there(name, message):
@@ -158,7 +271,7 @@ def test_a_study_that_is_no_text(tmp_path):
         load_study(str(tmp_path / "study.toml"))
 
 
-@pytest.mark.parametrize("override", ["flow.gap", "=3", "flow..gap=3", ".=3"])
+@pytest.mark.parametrize("override", ["flow.gap", "=3", "flow..gap=3", ".=3", "a." * 999 + "a=3"])
 def test_an_override_is_key_and_value(override):
     with pytest.raises(ConfigError, match="write it as key=value"):
         load_study("paper", [override])
@@ -169,6 +282,9 @@ def test_an_override_is_key_and_value(override):
     [
         ("flow.gapp=3.5 mm", r"flow\.gapp: unknown key; did you mean flow\.gap\?"),
         ("flow=3", "is a table of parameters"),
+        ("flow.gap=" + "1" * 400, "is not finite"),
+        ("flow.gap=" + "1" * 5000, r"^-s flow\.gap: holds a number that is not finite"),
+        ("flow.gap=" + "[" * 5000, r"^-s flow\.gap: is nested too deeply"),
         ("flow.gap.x=3", r"flow\.gap = \{\.\.\.\}: is not a number in m"),
         ("flow.gap=1\nb=2", r"flow\.gap = .*the unit .* is not known|is not a number"),
     ],
@@ -200,8 +316,8 @@ def test_defaults_are_a_study_with_every_key():
 
 
 @given(
-    gap=st.floats(1e-9, 1e3),
-    angles=st.lists(st.floats(-10, 10), min_size=1, max_size=40),
+    gap=st.floats(1e-4, 0.3),
+    angles=st.lists(st.floats(-6.28, 6.28), min_size=1, max_size=40),
     contact=st.none() | st.floats(-1, 1),
 )
 def test_the_resolved_study_is_read_back_to_the_last_bit(gap, angles, contact):

@@ -133,5 +133,19 @@ def test_a_summary_that_is_not_ours(tmp_path, text, message):
         refuse_foreign(tmp_path, tmp_path / "stages/store.json")
 
 
+@pytest.mark.parametrize("text", ["", "{", "{}", '{"schema": null}', "[" * 100_000])
+def test_a_marker_that_cannot_be_read(tmp_path, text):
+    (tmp_path / "store.json").write_text(text)
+    with pytest.raises(StoreError, match=r"store\.json: is damaged.*--fresh.*move"):
+        refuse_foreign(tmp_path, tmp_path / "store.json")
+    refuse_foreign(tmp_path, tmp_path / "store.json", fresh=True)
+
+
+def test_fresh_is_no_way_into_another_schema(tmp_path):
+    (tmp_path / "store.json").write_text(json.dumps({"schema": 2}))
+    with pytest.raises(StoreError, match="has schema 2"):
+        refuse_foreign(tmp_path, tmp_path / "store.json", fresh=True)
+
+
 def test_a_digest_is_sha256():
     assert digest(b"") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"

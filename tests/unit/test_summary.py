@@ -1,5 +1,6 @@
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,3 +91,43 @@ def test_in_words_says_where_to_look(tmp_path):
     assert str(tmp_path) in text
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
+    assert "lowest in the nozzle" not in text
+    assert "every streamline passes a singular corner" in text
+
+
+def paper_like(lowest, flagged):
+    """A summary of one streamline for each of some lowest pressures [MPa], some flagged."""
+    summary = summarize(results(), COST)
+    line, extreme = summary["streamlines"][0], summary["extremes"]
+    summary["streamlines"] = [
+        {**line, "index": k, "near_singularity": k in flagged} for k in range(1, len(lowest) + 1)
+    ]
+    summary["extremes"] = [
+        {**one, "streamline": k, "lowest": -1e6 * value}
+        for k, value in enumerate(lowest, 1)
+        for one in extreme
+    ]
+    return summary
+
+
+def test_streamlines_past_a_singular_corner_do_not_count(tmp_path):
+    text = in_words(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}), tmp_path)
+    assert text.count("3.000 MPa below the melt's own pressure, on streamline 3") == 2
+    assert "streamlines 1, 4 pass a singular corner and are left out (2 of 4)" in text
+
+
+def test_nothing_is_said_of_corners_that_none_passes(tmp_path):
+    text = in_words(paper_like([9.0, 2.0], set()), tmp_path)
+    assert text.count("9.000 MPa below") == 2
+    assert "left out" not in text
+
+
+def test_many_flagged_streamlines_fit_on_a_line(tmp_path):
+    text = in_words(paper_like([1.0] * 500, set(range(2, 500))), tmp_path)
+    assert "streamlines 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, ... pass" in text
+    assert "(498 of 500)" in text
+    assert "streamline 2 passes a singular" in in_words(paper_like([1.0, 1.0], {2}), tmp_path)
+
+
+def test_the_results_folder_is_told_on_one_line(tmp_path):
+    assert r"results         a\nb" in in_words(paper_like([1.0], set()), Path("a\nb"))

@@ -1,4 +1,5 @@
 import math
+import time
 
 import pytest
 from hypothesis import given
@@ -66,6 +67,14 @@ def test_temperatures_have_an_offset():
         (math.nan, "m", "is not finite"),
         ("1e999 m", "m", "is not finite"),
         ("1e999999999 mm", "m", "is not finite"),
+        (10**400, "m", "is not finite"),
+        ("1" * 400 + " mm", "m", "is not finite"),
+        ("3 dB", "", 'the unit "dB", which is logarithmic'),
+        ("3 Ym^9*Ym^9/m^9/m^8", "m", "cannot be converted to m"),
+        ("3 ym^9*ym^9/m^9/m^8", "m", "cannot be converted to m"),
+        ("3 " + "m*" * 3000 + "m", "m", r'the unit "m\*m.{54}\.\.\.", which is not known'),
+        ("3 mm\n\x1b", "m", r"is not known"),
+        ("1" * 400, "m", r"bare number 1{57}\.\.\. for m"),
     ],
 )
 def test_faults(value, unit, message):
@@ -79,6 +88,15 @@ def test_faults(value, unit, message):
 def test_a_unit_is_never_evaluated(unit):
     with pytest.raises(ConfigError, match="is not known"):
         parse(f"3 {unit}", "m")
+
+
+@pytest.mark.parametrize("value", ["3 " + "a" * 50 + "!", "1" * 50_000 + " 2", " " * 50_000])
+def test_nonsense_is_refused_at_once(value):
+    """The time to read a text does not explode with its length: a second here is for ever there."""
+    start = time.perf_counter()
+    with pytest.raises(ConfigError):
+        parse(value, "m")
+    assert time.perf_counter() - start < 1.0
 
 
 @given(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -19,6 +20,14 @@ _PAPER_3 = "the paper, section 3"
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
 
+SHORTEST, LONGEST = 0.01, 100.0
+"""Lengths of the nozzle and its gap over the capillary's width: beyond, no mesh resolves both."""
+
+FULL_TURN = 2 * math.pi
+"""Largest angle [rad] at which a fiber can be said to enter; beyond, it was meant in degrees."""
+
+_VERIFIED = "the fiber's cell is verified in this range only"
+
 
 def _edge(default: float, doc: str) -> float:
     """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
@@ -30,39 +39,46 @@ class Flow(Section):
     """The nozzle, its height over the bed, and the two speeds."""
 
     inlet_width: float = quantity(
-        "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, source=_INFERRED
+        "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, le=1, source=_INFERRED
     )
     inlet_length: float = quantity(
-        "5 mm", "m", "Length of the straight channel above the taper.", gt=0, source=_INFERRED
+        "5 mm", "m", "Length of the straight channel above the taper.", gt=0, le=1, source=_INFERRED
     )
     taper_length: float = quantity(
         "8 mm",
         "m",
         "Length over which the nozzle narrows to the capillary.",
         gt=0,
+        le=1,
         source=_INFERRED,
     )
     capillary_width: float = quantity(
-        "3.175 mm", "m", "Width of the capillary, the nozzle's outlet.", gt=0, source=_INFERRED
+        "3.175 mm",
+        "m",
+        "Width of the capillary, the nozzle's outlet.",
+        gt=0,
+        le=1,
+        source=_INFERRED,
     )
     capillary_length: float = quantity(
-        "6 mm", "m", "Length of the capillary.", gt=0, source=_INFERRED
+        "6 mm", "m", "Length of the capillary.", gt=0, le=1, source=_INFERRED
     )
     gap: float = quantity(
-        "3 mm", "m", "Distance from the nozzle's lips to the bed.", gt=0, source=_INFERRED
+        "3 mm", "m", "Distance from the nozzle's lips to the bed.", gt=0, le=1, source=_INFERRED
     )
     outlet: float = quantity(
         "20 mm",
         "m",
         "Where the bead is cut off, downstream of the nozzle's axis (x of the outlet).",
         gt=0,
+        le=1,
         source="far enough that the answer does not feel it",
     )
     inlet_speed: float = quantity(
-        "24 mm/s", "m/s", "Mean speed of the melt at the inlet.", gt=0, source=_PAPER_21
+        "24 mm/s", "m/s", "Mean speed of the melt at the inlet.", gt=0, le=100, source=_PAPER_21
     )
     bed_speed: float = quantity(
-        "101.6 mm/s", "m/s", "Speed of the bed, towards +x.", gt=0, source=_PAPER_21
+        "101.6 mm/s", "m/s", "Speed of the bed, towards +x.", gt=0, le=100, source=_PAPER_21
     )
 
     @property
@@ -76,9 +92,11 @@ class Flow(Section):
         if self.inlet_width < self.capillary_width:
             msg = (
                 f"flow.inlet_width = {self.inlet_width:g} m is narrower than "
-                f"flow.capillary_width = {self.capillary_width:g} m: a nozzle narrows downwards"
+                f"flow.capillary_width = {self.capillary_width:g} m: a nozzle narrows "
+                "downwards; widen flow.inlet_width or narrow flow.capillary_width"
             )
             raise ValueError(msg)
+        self._proportions()
         nearest = self.capillary_width / 2 + OUTLET_BEADS * self.bead_height
         if self.outlet < nearest:
             msg = (
@@ -89,12 +107,34 @@ class Flow(Section):
             raise ValueError(msg)
         return self
 
+    def _proportions(self) -> None:
+        """Refuse a length that the capillary's width tells to be a slip of the unit."""
+        width = self.capillary_width
+        lowest = dict.fromkeys(
+            ("inlet_length", "taper_length", "capillary_length", "gap", "outlet"), SHORTEST
+        )
+        for name, low in {"inlet_width": 0.0, **lowest}.items():
+            length = getattr(self, name)
+            if low * width <= length <= LONGEST * width:
+                continue
+            bound = (
+                f"at least {low * width:g}" if length < width else f"at most {LONGEST * width:g}"
+            )
+            msg = (
+                f"flow.{name} = {length:g} m is {length / width:.3g} times flow.capillary_width = "
+                f"{width:g} m: must be {bound} m ({low:g} to {LONGEST:g} times); "
+                "correct one of the two"
+            )
+            raise ValueError(msg)
+
 
 class Melt(Section):
     """The polymer melt, Newtonian."""
 
-    viscosity: float = quantity("817 Pa s", "Pa s", "Dynamic viscosity.", gt=0, source=_PAPER_2)
-    density: float = quantity("1154 kg/m^3", "kg/m^3", "Density.", gt=0, source=_PAPER_2)
+    viscosity: float = quantity(
+        "817 Pa s", "Pa s", "Dynamic viscosity.", ge=1e-6, le=1e12, source=_PAPER_2
+    )
+    density: float = quantity("1154 kg/m^3", "kg/m^3", "Density.", gt=0, le=1e5, source=_PAPER_2)
 
 
 class Fiber(Section):
@@ -104,15 +144,27 @@ class Fiber(Section):
         "42 um", "m", "Half the length of the fiber, its major semi-axis.", gt=0, source=_PAPER_3
     )
     aspect_ratio: float = quantity(
-        6.0, "", "Length over width of the elliptic fiber.", ge=1, source=_PAPER_3
+        6.0,
+        "",
+        "Length over width of the elliptic fiber.",
+        ge=1,
+        le=50,
+        source=_PAPER_3,
+        hints={"le": _VERIFIED},
     )
     domain_size: float = quantity(
         4.0,
         "",
         "Domain-size factor M: the cell's radius is M / 2 half-lengths.",
         gt=2,
+        ge=2.01,
+        le=200,
         source=_PAPER_25,
-        hint="the fiber would be larger than its cell",
+        hints={
+            "gt": "the fiber would be larger than its cell",
+            "ge": _VERIFIED,
+            "le": _VERIFIED,
+        },
     )
     pressure_reference: Literal["mean", "far-node"] = setting(
         "mean",
@@ -128,10 +180,17 @@ class Fiber(Section):
 
     @model_validator(mode="after")
     def _angles(self) -> Self:
-        """Refuse a study without fibers."""
+        """Refuse a study without fibers, and degrees that were written as radians."""
         if not self.initial_angles:
             msg = 'fiber.initial_angles = []: at least one angle, such as ["0 deg"]'
             raise ValueError(msg)
+        for item, angle in enumerate(self.initial_angles, 1):
+            if abs(angle) > FULL_TURN:
+                msg = (
+                    f"fiber.initial_angles: item {item} = {angle:g} rad: must be within a full "
+                    f'turn, {FULL_TURN:.3f} rad (a bare number is in radians; write "-90 deg")'
+                )
+                raise ValueError(msg)
         return self
 
 
@@ -142,9 +201,10 @@ class Streamlines(Section):
         22,
         "Number of streamlines, each with the same share of the flux, from the left edge.",
         ge=1,
+        le=1000,
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
-    points: int = setting(1500, "Number of points on each streamline.", ge=50)
+    points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
 
 
 class Numerics(Section):
@@ -186,7 +246,10 @@ class Numerics(Section):
         lt=0.1,
     )
     isotropic_angles: int = setting(
-        360, "Number of angles that stand for an isotropic start, for the quantiles.", ge=3
+        360,
+        "Number of angles that stand for an isotropic start, for the quantiles.",
+        ge=3,
+        le=10000,
     )
 
 
@@ -198,3 +261,17 @@ class Config(Section):
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
     numerics: Numerics = Field(default_factory=Numerics)
+
+    @model_validator(mode="after")
+    def _scales(self) -> Self:
+        """Refuse a fiber that sees the walls: its cell takes the flow for a uniform gradient."""
+        width, half_length = self.flow.capillary_width, self.fiber.half_length
+        cell = self.fiber.domain_size * half_length
+        if cell >= width:
+            msg = (
+                f"fiber.half_length = {half_length:g} m is too long: its cell is {cell:g} m "
+                f"across (fiber.domain_size = {self.fiber.domain_size:g} half-lengths), "
+                f"flow.capillary_width = {width:g} m; shorten the fiber or lower fiber.domain_size"
+            )
+            raise ValueError(msg)
+        return self

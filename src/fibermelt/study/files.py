@@ -173,7 +173,7 @@ def read_sealed(path: Path) -> dict[str, Any]:
         sealed = json.loads(data)
         content, seal = sealed["content"], sealed["sha256"]
         is_whole = digest(canonical(content)) == seal
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         msg = f"{path} is not what was written"
         raise ValueError(msg) from error
     if not is_whole or not isinstance(content, dict):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,11 +13,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
 from fibermelt.study.messages import explain
+from fibermelt.study.parameters import excerpt
 
-__all__ = ["Study", "load_study", "preset_names", "resolve"]
+__all__ = ["Study", "load_study", "preset_names", "replaces_another", "resolve"]
+
+_LONGEST_PATH = 200
+_DEEPEST_KEY = 10
+"""Parts of an overriding key that are read; no parameter has more than two."""
 
 
 @dataclass(frozen=True)
@@ -52,26 +58,39 @@ def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
         fault, that names the key, the value, the bound and the way out.
     """
     path = Path(study)
-    if path.is_file():
-        name, tables = path.stem, _read(path)
-    elif path.suffix == ".toml" or len(path.parts) > 1:
-        what = "is a folder, not a study file" if path.is_dir() else "no such study file"
-        msg = f"{study}: {what}; the shipped studies are: {', '.join(preset_names())}"
-        raise ConfigError(msg)
-    else:
-        name, tables = study, _preset(study)
-    file = path if path.is_file() else None
+    file = path if _is_study_file(path, study) else None
+    name, tables = (path.stem, _read(path)) if file else (study, _preset(study))
     origin = path.name if file else f"preset {name}"
     tables = _merged(tables, _overriding(overrides))
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
-            msg = f'preset = {preset}: must be the name of a shipped study, such as "paper"'
+            msg = (
+                f'preset = {excerpt(preset)}: must be the name of a shipped study, such as "paper"'
+            )
             raise ConfigError(msg)
         tables = _merged(_preset(preset), tables)
         origin += f", preset {preset}"
     if overrides:
         origin += ", with " + ", ".join(overrides)
-    return Study(name=name, origin=origin, config=resolve(tables), path=file)
+    config = resolve(tables)
+    return Study(name=name, origin=legible(origin, len(origin)), config=config, path=file)
+
+
+def replaces_another(folder: Path, config: Config) -> bool:
+    """Tell whether a results folder shows a run of other parameters than a study's.
+
+    Parameters
+    ----------
+    folder : Path
+        The results folder; it need not be there. One whose config.toml cannot be read shows
+        nothing that could be told apart: whether it may be used is for the store to say.
+    config : Config
+        The study that is to run into it.
+    """
+    try:
+        return resolve(_read(folder / "config.toml")) != config
+    except ConfigError:
+        return False
 
 
 def resolve(tables: Mapping[str, Any]) -> Config:
@@ -88,24 +107,63 @@ def resolve(tables: Mapping[str, Any]) -> Config:
         raise ConfigError(explain(error, tables)) from None
 
 
+def _is_study_file(path: Path, study: str) -> bool:
+    """Tell a file from a shipped study, which wins over a folder of its name; refuse the rest."""
+    shown = legible(study, _LONGEST_PATH)
+    try:
+        if path.is_file():
+            return True
+        is_folder = path.is_dir()
+    except OSError as error:
+        msg = f"{shown}: no such study file: {(error.strerror or str(error)).lower()}"
+        raise ConfigError(msg) from error
+    shipped = preset_names()
+    if study in shipped:
+        return False
+    if is_folder:
+        inside = path / ("config.toml" if (path / "config.toml").is_file() else "study.toml")
+        example = legible(str(inside), _LONGEST_PATH)
+        msg = f"{shown}: is a folder, not a study file: name a file in it, such as {example}"
+        raise ConfigError(msg)
+    if path.suffix == ".toml" or len(path.parts) > 1:
+        msg = f"{shown}: no such study file; the shipped studies are: {', '.join(shipped)}"
+        raise ConfigError(msg)
+    return False
+
+
 def _read(path: Path) -> dict[str, Any]:
+    shown = legible(str(path), _LONGEST_PATH)
     try:
         text = path.read_bytes().decode("utf-8")
     except OSError as error:
-        msg = f"{path}: cannot be read: {error.strerror}"
+        msg = f"{shown}: cannot be read: {error.strerror}"
         raise ConfigError(msg) from error
     except UnicodeDecodeError as error:
-        msg = f"{path}: is not a TOML file: byte {error.start} is not UTF-8 text"
+        msg = f"{shown}: is not a TOML file: byte {error.start} is not UTF-8 text"
         raise ConfigError(msg) from error
-    return _parsed(text, str(path))
+    # Some editors put a byte order mark in front, which TOML does not know.
+    return _parsed(text.removeprefix("\ufeff"), shown)
 
 
 def _parsed(text: str, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        msg = f"{where}: not TOML: {str(error)[:1].lower()}{str(error)[1:]}"
+        what = legible(str(error), _LONGEST_PATH)
+        msg = f"{where}: not TOML: {what[:1].lower()}{what[1:]}"
         raise ConfigError(msg) from None
+    except (ValueError, RecursionError) as error:
+        msg = f"{where}: {_unreadable(error)}"
+        raise ConfigError(msg) from None
+
+
+def _unreadable(error: Exception) -> str:
+    """Return what Python refuses to read although TOML may have it."""
+    if isinstance(error, RecursionError):
+        return "is nested too deeply to be a study: a parameter is a number, a text or a list"
+    return (
+        f"holds a number that is not finite: it has more than {sys.get_int_max_str_digits()} digits"
+    )
 
 
 def _preset(name: str) -> dict[str, Any]:
@@ -114,7 +172,10 @@ def _preset(name: str) -> dict[str, Any]:
         nearest = get_close_matches(name, known, n=1)
         guess = f"; did you mean {nearest[0]}?" if nearest else ""
         shipped = ", ".join(known)
-        msg = f'no study is called "{name}"{guess} (shipped: {shipped}; or a path to a TOML file)'
+        msg = (
+            f'no study is called "{legible(name)}"{guess} '
+            f"(shipped: {shipped}; or a path to a TOML file)"
+        )
         raise ConfigError(msg)
     source = files("fibermelt.study").joinpath("presets", f"{name}.toml")
     return _parsed(source.read_text(encoding="utf-8"), f"preset {name}")
@@ -138,20 +199,23 @@ def _overriding(overrides: Sequence[str]) -> dict[str, Any]:
     for override in overrides:
         key, equals, text = override.partition("=")
         path = [part.strip() for part in key.split(".")]
-        if not equals or not all(path):
-            msg = f'-s {override}: write it as key=value, such as -s flow.gap="3.5 mm"'
+        if not equals or not all(path) or len(path) > _DEEPEST_KEY:
+            msg = f'-s {legible(override)}: write it as key=value, such as -s flow.gap="3.5 mm"'
             raise ConfigError(msg)
-        nested: Any = _override_value(text.strip())
+        nested: Any = _override_value(text.strip(), f"-s {legible(key.strip())}")
         for part in reversed(path):
             nested = {part: nested}
         tables = _merged(tables, nested)
     return tables
 
 
-def _override_value(text: str) -> object:
+def _override_value(text: str, where: str) -> object:
     """Return what TOML reads in ``text``, or else the text itself: shells eat quotes."""
     try:
         read = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
+    except (ValueError, RecursionError) as error:
+        msg = f"{where}: {_unreadable(error)}"
+        raise ConfigError(msg) from None
     return read["value"] if set(read) == {"value"} else text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import Any
@@ -9,8 +10,9 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from fibermelt.errors import legible
 from fibermelt.study.config import Config
-from fibermelt.study.parameters import BOUNDS, Declaration, declarations
+from fibermelt.study.parameters import BOUNDS, Declaration, declarations, excerpt
 from fibermelt.study.toml import toml_value
 
 __all__ = ["explain"]
@@ -22,7 +24,6 @@ _RANGE_FAULTS = {
     "less_than_equal": "le",
 }
 _TYPES = {"int_": "a whole number", "bool_": "true or false"}
-_LONGEST_VALUE = 60
 
 
 def explain(error: ValidationError, tables: Mapping[str, Any]) -> str:
@@ -56,9 +57,11 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
     kind = fault["type"]
     example = f", such as {toml_value(declaration.example)}" if declaration.example else ""
     if kind in _RANGE_FAULTS:
-        name = _RANGE_FAULTS[kind]
-        bound = f"must be {BOUNDS[name]} {fault['ctx'][name]:g} {declaration.unit}".rstrip()
-        return bound + (f" ({declaration.hint})" if declaration.hint else "")
+        name, bounds = _RANGE_FAULTS[kind], dict(declaration.bounds)
+        if name == "ge" and fault["input"] <= bounds.get("gt", -math.inf):
+            name = "gt"
+        bound = f"must be {BOUNDS[name]} {bounds[name]:g} {declaration.unit}".rstrip()
+        return bound + (f" ({declaration.hints[name]})" if name in declaration.hints else "")
     if kind == "value_error":
         wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
         return f"{fault['ctx']['error']}{wanted}"
@@ -87,8 +90,8 @@ def _unknown(key: str, known: Mapping[str, Declaration]) -> str:
     )
     if near:
         guess = f"[{near[0]}]" if near[0] in sections else near[0]
-        return f"{key}: unknown key; did you mean {guess}?"
-    return f"{key}: unknown key; `fibermelt defaults` prints every key there is"
+        return f"{legible(key)}: unknown key; did you mean {guess}?"
+    return f"{legible(key)}: unknown key; `fibermelt defaults` prints every key there is"
 
 
 def _written(location: list[str], tables: Mapping[str, Any]) -> str:
@@ -98,6 +101,6 @@ def _written(location: list[str], tables: Mapping[str, Any]) -> str:
         value = value[part]
     try:
         text = toml_value(value)
-    except TypeError:
-        text = f"{value}" if not isinstance(value, Mapping) else "{...}"
-    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
+    except (TypeError, ValueError, RecursionError):
+        return "{...}" if isinstance(value, Mapping) else excerpt(value)
+    return legible(text)

@@ -13,10 +13,19 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, legible
 from fibermelt.units import parse
 
-__all__ = ["Declaration", "Section", "Value", "declarations", "flatten", "quantity", "setting"]
+__all__ = [
+    "Declaration",
+    "Section",
+    "Value",
+    "declarations",
+    "excerpt",
+    "flatten",
+    "quantity",
+    "setting",
+]
 
 Value = float | int | str | bool | tuple[float, ...] | None
 """What a parameter can be once resolved."""
@@ -32,7 +41,7 @@ def quantity(
     *,
     source: str = "",
     example: str = "",
-    hint: str = "",
+    hints: dict[str, str] | None = None,
     **bounds: float,
 ) -> Any:
     """Declare a physical quantity: a float in SI, or a tuple of them.
@@ -49,10 +58,11 @@ def quantity(
         Where the default comes from.
     example : str
         How to write it, for error messages; the default where that is a text.
-    hint : str
-        What a value out of range would mean, for error messages.
+    hints : dict of str, optional
+        What a value beyond a bound would mean, by the name of the bound, for error messages.
     **bounds : float
-        ``gt``, ``ge``, ``lt``, ``le`` [unit].
+        ``gt``, ``ge``, ``lt``, ``le`` [unit]. Of two bounds on one side a value is told the
+        looser that it breaks: ``gt`` may say what makes no sense, ``ge`` what is not verified.
     """
     written = default[0] if isinstance(default, list) else default
     return Field(
@@ -64,7 +74,7 @@ def quantity(
             "unit": unit,
             "written": list(default) if isinstance(default, list) else default,
             "source": source,
-            "hint": hint,
+            "hints": {**(hints or {})},
             "example": example or (written if isinstance(written, str) else ""),
         },
         **_checked(bounds),
@@ -76,14 +86,14 @@ def setting(
     doc: str,
     *,
     source: str = "",
-    hint: str = "",
+    hints: dict[str, str] | None = None,
     **bounds: float,
 ) -> Any:
     """Declare what has no unit: a count, an order, a choice (a ``Literal`` type) or a flag.
 
     Parameters
     ----------
-    default, doc, source, hint, **bounds
+    default, doc, source, hints, **bounds
         As in `quantity`.
     """
     return Field(
@@ -94,7 +104,7 @@ def setting(
             "unit": "",
             "written": default,
             "source": source,
-            "hint": hint,
+            "hints": {**(hints or {})},
             "example": "",
         },
         **_checked(bounds),
@@ -129,7 +139,7 @@ class Section(BaseModel):
         if not extra.get("quantity"):
             return value
         unit = str(extra["unit"])
-        if not isinstance(value, list):
+        if not isinstance(value, (list, tuple)):
             return _resolved_for_pydantic(value, unit)
         return tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
 
@@ -137,10 +147,19 @@ class Section(BaseModel):
 def _resolved_for_pydantic(value: object, unit: str, item: int = 0) -> object:
     """Resolve units; pydantic collects ValueErrors, and stops at anything else."""
     try:
-        return _resolved(value, unit)
+        # An item is one number: a list in a list is refused here, however deep it goes.
+        return parse(value, unit) if value is not None else None
     except ConfigError as error:
-        msg = f'item {item} = "{value}" {error}' if item else str(error)
+        msg = f'item {item} = "{excerpt(value)}" {error}' if item else str(error)
         raise ValueError(msg) from error
+
+
+def excerpt(value: object) -> str:
+    """Return a value for a message, on one line; Python refuses to write some that TOML has."""
+    try:
+        return legible(str(value))
+    except (ValueError, RecursionError):
+        return "..."
 
 
 def _extra(field: FieldInfo) -> dict[str, Any]:
@@ -157,7 +176,7 @@ class Declaration:
     written: str | float | list[str] | None
     doc: str
     source: str
-    hint: str
+    hints: dict[str, str]
     example: str
     bounds: tuple[tuple[str, float], ...]
     choices: tuple[str, ...]
@@ -168,7 +187,9 @@ class Declaration:
         if self.choices:
             return " or ".join(f'"{choice}"' for choice in self.choices)
         return " and ".join(
-            f"{BOUNDS[name]} {bound:g} {self.unit}".rstrip() for name, bound in self.bounds
+            f"{BOUNDS[name]} {bound:g} {self.unit}".rstrip()
+            for name, bound in self.bounds
+            if not (name == "gt" and "ge" in dict(self.bounds))
         )
 
 
@@ -188,7 +209,7 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             written=extra["written"],
             doc=field.description or "",
             source=extra["source"],
-            hint=extra["hint"],
+            hints=extra["hints"],
             example=extra["example"],
             bounds=tuple(
                 (name, float(getattr(constraint, name)))

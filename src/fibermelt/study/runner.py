@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.errors import legible
 from fibermelt.study.files import canonical, digest, write_through
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import flatten
@@ -30,7 +31,7 @@ __all__ = ["Chain", "DrawFigures", "run_study"]
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
 
-SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf")
+SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib")
 """Packages whose versions are recorded beside the numbers."""
 
 
@@ -97,7 +98,7 @@ def run_study(
         finished before stay, and the next run goes on from them.
     """
     run = _Run(study, chain, draw, observer or Silent(), time.perf_counter())
-    store = Store.open(directory)
+    store = Store.open(directory, fresh=fresh)
     try:
         return run.into(store, fresh=fresh)
     finally:
@@ -183,12 +184,12 @@ class _Run:
             data.values(), combine_attrs="identical", compat="identical", join="exact"
         )
         preamble = (
-            f"The study {self.study.name} ({self.study.origin}) as it was run, in SI, with all "
-            "defaults: fibermelt run on this file gives these results again."
+            f"The study {legible(self.study.name)} ({self.study.origin}) as it was run, in SI, "
+            "with all defaults: fibermelt run on this file gives these results again, to rounding."
         )
         config = resolved_toml(self.study.config, preamble)
         results.attrs = {
-            "title": f"fibermelt study {self.study.name}",
+            "title": f"fibermelt study {legible(self.study.name)}",
             "schema": SCHEMA,
             "config": config,
             "software": json.dumps(_software()),

@@ -16,7 +16,7 @@ OUTPUTS = ("config.toml", "summary.json", "results.nc", "flow.vtu", "figures")
 """What lies on show in a results folder."""
 
 
-def refuse_foreign(directory: Path, marker: Path) -> None:
+def refuse_foreign(directory: Path, marker: Path, *, fresh: bool = False) -> None:
     """Refuse a folder of another schema, and one whose files are not ours to overwrite.
 
     Parameters
@@ -25,6 +25,8 @@ def refuse_foreign(directory: Path, marker: Path) -> None:
         The results folder; it need not be there.
     marker : Path
         The file in it that says which schema it has.
+    fresh : bool
+        Whether a marker that cannot be read may be written anew.
 
     Raises
     ------
@@ -36,9 +38,17 @@ def refuse_foreign(directory: Path, marker: Path) -> None:
             continue
         try:
             schema = json.loads(path.read_bytes())["schema"]
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             schema = None
-        if schema != SCHEMA and (schema is not None or path == marker):
+        if schema is None:
+            if path != marker or fresh:
+                continue
+            msg = (
+                f"{path}: is damaged, it does not say which schema this results folder has; run "
+                "again with --fresh to compute and write it anew, or move this folder away"
+            )
+            raise StoreError(msg)
+        if schema != SCHEMA:
             msg = (
                 f"{path}: this results folder has schema {schema}, this fibermelt writes "
                 f"{SCHEMA}; choose another folder with --out, or move this one away"

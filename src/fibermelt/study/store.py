@@ -87,8 +87,10 @@ class Store:
         self._made = made
 
     @classmethod
-    def open(cls, directory: Path) -> Store:
+    def open(cls, directory: Path, *, fresh: bool = False) -> Store:
         """Return the store of a folder, made if need be, that is known to be writable.
+
+        With ``fresh`` a damaged mark of its schema is written anew rather than refused.
 
         Raises
         ------
@@ -97,7 +99,7 @@ class Store:
             cannot be written.
         """
         with storage_errors(directory):
-            refuse_foreign(directory, directory / "stages" / "store.json")
+            refuse_foreign(directory, directory / "stages" / "store.json", fresh=fresh)
             chain = (directory / "stages", directory, *directory.parents)
             store = cls(directory, tuple(folder for folder in chain if not folder.exists()))
         try:
@@ -195,7 +197,8 @@ class Store:
         run : str
             Key of the run.
         but : Path, optional
-            A file that may differ: the study itself, where it is a results folder's config.toml.
+            A file that may have been changed: the study itself, where it is this config.toml.
+            It then no longer says what the results are of, and they count as not published.
 
         Raises
         ------
@@ -215,10 +218,10 @@ class Store:
                 path = self.directory / name
                 if not path.exists():
                     complete = False
-                elif but is not None and path.samefile(but):
-                    continue
                 elif digest(path.read_bytes()) != expected:
-                    raise _damaged(path)
+                    if but is None or not path.samefile(but):
+                        raise _damaged(path)
+                    complete = False
             return complete and bool(content["run"] == run)
 
     def publish(self, run: str, write: Callable[[Path], None]) -> None:

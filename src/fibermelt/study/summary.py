@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import legible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +26,13 @@ FLOW_NUMBERS = (
     "kinematic_residual",
 )
 FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
+
+
+MOST_NAMED = 12
+"""Streamlines that the words list by their numbers: more do not fit on a line."""
+
+LONGEST_PATH = 4096
+"""Characters of the results folder that the words repeat: as many as Linux allows."""
 
 
 def summarize(results: xr.Dataset, cost: Mapping[str, float]) -> dict[str, Any]:
@@ -157,16 +166,38 @@ def in_words(summary: Mapping[str, Any], folder: Path) -> str:
         f"contact point   {flow['contact_point'] * 1e3:.3f} mm from the nozzle's axis",
         f"fiber           B = {cell['shape_factor']:.4f}: in simple shear it {motion}",
     ]
+    flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
     for location, place in ((1, "in the nozzle"), (2, "below it      ")):
         found = [
             extreme
             for extreme in summary["extremes"]
-            if extreme["location"] == location and extreme["kind"] == "min"
+            if extreme["location"] == location
+            and extreme["kind"] == "min"
+            and extreme["streamline"] not in flagged
         ]
+        if not found:
+            continue
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
         lines.append(
             f"lowest {place}  {-worst['lowest'] / 1e6:.3f} MPa below the melt's own pressure, on "
             f"streamline {worst['streamline']}"
         )
+    lines += _left_out(flagged, of=len(summary["streamlines"]))
+    shown = legible(str(folder), LONGEST_PATH)
     cost = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary["cost"].items())
-    return "\n".join([*lines, f"cost            {cost}", f"results         {folder}"])
+    return "\n".join([*lines, f"cost            {cost}", f"results         {shown}"])
+
+
+def _left_out(flagged: Sequence[int], of: int) -> list[str]:
+    """Return the line on streamlines whose lowest pressure has no limit as the mesh is refined."""
+    if not flagged:
+        return []
+    if len(flagged) == of:
+        return ["lowest pressure not told: every streamline passes a singular corner"]
+    if len(flagged) == 1:
+        return [f"                streamline {flagged[0]} passes a singular corner and is left out"]
+    which = ", ".join(map(str, flagged[:MOST_NAMED])) + (", ..." if flagged[MOST_NAMED:] else "")
+    return [
+        f"                streamlines {which} pass a singular corner and are left out "
+        f"({len(flagged)} of {of})"
+    ]
