@@ -106,17 +106,23 @@ class Fiber(Section):
     aspect_ratio: float = quantity(
         6.0, "", "Length over width of the elliptic fiber.", ge=1, source=_PAPER_3
     )
+    model: Literal["confined-ellipse", "ellipse", "spheroid"] = setting(
+        "confined-ellipse",
+        "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
+        source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
+    )
     domain_size: float = quantity(
         4.0,
         "",
-        "Domain-size factor M: the cell's radius is M / 2 half-lengths.",
+        "Domain-size factor M: the cell's radius is M / 2 half-lengths. Confined ellipse only.",
         gt=2,
         source=_PAPER_25,
         hint="the fiber would be larger than its cell",
     )
     pressure_reference: Literal["mean", "far-node"] = setting(
         "mean",
-        "What has the streamline's pressure: the mean over the cell's edge, or one far node.",
+        "What has the streamline's pressure: the mean over the cell's edge, or one far node. "
+        "Confined ellipse only.",
         source='"far-node" is the paper\'s way, Eq. 7',
     )
     initial_angles: tuple[float, ...] = quantity(
@@ -125,10 +131,25 @@ class Fiber(Section):
         "Angles at which fibers enter, from the x axis, counter-clockwise.",
         source=_PAPER_3,
     )
+    directions: Literal["in-plane", "equal-area"] = setting(
+        "in-plane",
+        "How fibers enter: at initial_angles in the plane of the flow, or evenly over the sphere.",
+        source="the paper's fibers lie in the plane; a spheroid need not",
+    )
+    direction_count: int = setting(
+        50, 'Number of initial directions, with directions = "equal-area".', ge=1
+    )
 
     @model_validator(mode="after")
-    def _angles(self) -> Self:
-        """Refuse a study without fibers."""
+    def _start(self) -> Self:
+        """Refuse a study without fibers, or with an ellipse out of its plane."""
+        if self.directions == "equal-area" and self.model != "spheroid":
+            msg = (
+                f'fiber.directions = "equal-area": with fiber.model = "{self.model}" the fiber is '
+                "a cylinder across the flow, which has no direction out of the plane: take "
+                'fiber.model = "spheroid"'
+            )
+            raise ValueError(msg)
         if not self.initial_angles:
             msg = 'fiber.initial_angles = []: at least one angle, such as ["0 deg"]'
             raise ValueError(msg)
