@@ -49,6 +49,7 @@ from fibermelt.fiber.jeffery import (
     jeffery_period,
     unbounded_ellipse,
 )
+from fibermelt.fiber.models import FiberModel, confined_model, unbounded_model
 from fibermelt.fiber.motion import (
     Motion,
     angle_to_stream,
@@ -93,6 +94,7 @@ __all__ = [
     "EllipsoidResponse",
     "ExtremeStatistics",
     "Extremes",
+    "FiberModel",
     "FiberResponse",
     "GradientPath",
     "IsotropicPressure",
@@ -109,6 +111,7 @@ __all__ = [
     "angle_to_stream_at",
     "body_axes",
     "build_system",
+    "confined_model",
     "cox_cylinder_ratio",
     "cox_ellipse_ratio",
     "ellipse_extremes",
@@ -142,6 +145,7 @@ __all__ = [
     "surface_pressure",
     "unbounded_ellipse",
     "unbounded_ellipsoid",
+    "unbounded_model",
     "unbounded_spheroid",
     "zhang_cylinder_ratio",
     "zhang_ellipse_ratio",

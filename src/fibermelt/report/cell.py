@@ -101,8 +101,9 @@ def figure_cell(results: xr.Dataset) -> Figure:
     tip = scene_axes(figure, 134, 37, 28, near)
     for axes, linewidth in ((mesh, 0.3), (tip, 0.5)):
         _mesh(axes, results, linewidth)
-    letter(mesh, "a  mesh of the cell")
-    letter(tip, "c  mesh at the tip")
+    kind = "net" if np.isnan(float(results["domain_size"])) else "mesh"
+    letter(mesh, f"a  {kind} around the fiber")
+    letter(tip, f"c  {kind} at the tip")
 
     field = scene_axes(figure, 67, 4, 61, whole)
     place = np.array([np.cos(found.where), np.sin(found.where) * depth**0.5])
@@ -198,12 +199,20 @@ def cell_words(results: xr.Dataset) -> Words:
     found = _deepest(results)
     size, aspect = float(results["domain_size"]), float(results["aspect_ratio"])
     angle, where = np.degrees(found.angle), np.degrees(found.where)
-    radius = 0.5 * size
+    if np.isnan(size):
+        cell = (
+            f"A fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
+            "net it is drawn on, in the fiber's axes."
+        )
+    else:
+        cell = (
+            f"The cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
+            f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
+            "Curved elements, graded to the tip, in the fiber's axes."
+        )
     return Words(
         caption=(
-            f"The cell of a fiber of aspect ratio {aspect:g}: a circle of {radius:g} half-lengths "
-            f"around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) Curved elements, "
-            "graded to the tip, in the fiber's axes. (b, d) Pressure less the melt's in simple "
+            f"{cell} (b, d) Pressure less the melt's in simple "
             f"shear with the fiber at {angle:.1f}° to the flow, the orientation with the lowest "
             f"pressure, {found.pressure:.2f} μγ̇ at the eccentric angle {where:.1f}° of the "
             "surface. Red: lower than the melt's own pressure."

@@ -18,6 +18,7 @@ __all__ = ["CHAIN"]
 _CELL_PARAMETERS = (
     "fiber.half_length",
     "fiber.aspect_ratio",
+    "fiber.model",
     "fiber.domain_size",
     "fiber.pressure_reference",
     "numerics.cell_order",
@@ -25,6 +26,8 @@ _CELL_PARAMETERS = (
 _MOTION_PARAMETERS = (
     "melt.viscosity",
     "fiber.initial_angles",
+    "fiber.directions",
+    "fiber.direction_count",
     "numerics.angle_tolerance",
     "numerics.isotropic_angles",
 )

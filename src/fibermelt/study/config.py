@@ -152,10 +152,15 @@ class Fiber(Section):
         source=_PAPER_3,
         hints={"le": _VERIFIED},
     )
+    model: Literal["confined-ellipse", "ellipse", "spheroid"] = setting(
+        "confined-ellipse",
+        "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
+        source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
+    )
     domain_size: float = quantity(
         4.0,
         "",
-        "Domain-size factor M: the cell's radius is M / 2 half-lengths.",
+        "Domain-size factor M: the cell's radius is M / 2 half-lengths. Confined ellipse only.",
         gt=2,
         ge=2.01,
         le=200,
@@ -168,7 +173,8 @@ class Fiber(Section):
     )
     pressure_reference: Literal["mean", "far-node"] = setting(
         "mean",
-        "What has the streamline's pressure: the mean over the cell's edge, or one far node.",
+        "What has the streamline's pressure: the mean over the cell's edge, or one far node. "
+        "Confined ellipse only.",
         source='"far-node" is the paper\'s way, Eq. 7',
     )
     initial_angles: tuple[float, ...] = quantity(
@@ -177,10 +183,25 @@ class Fiber(Section):
         "Angles at which fibers enter, from the x axis, counter-clockwise.",
         source=_PAPER_3,
     )
+    directions: Literal["in-plane", "equal-area"] = setting(
+        "in-plane",
+        "How fibers enter: at initial_angles in the plane of the flow, or evenly over the sphere.",
+        source="the paper's fibers lie in the plane; a spheroid need not",
+    )
+    direction_count: int = setting(
+        50, 'Number of initial directions, with directions = "equal-area".', ge=1, le=10000
+    )
 
     @model_validator(mode="after")
-    def _angles(self) -> Self:
-        """Refuse a study without fibers, and degrees that were written as radians."""
+    def _start(self) -> Self:
+        """Refuse no fibers, degrees written as radians, an ellipse out of its plane."""
+        if self.directions == "equal-area" and self.model != "spheroid":
+            msg = (
+                f'fiber.directions = "equal-area": with fiber.model = "{self.model}" the fiber is '
+                "a cylinder across the flow, which has no direction out of the plane: take "
+                'fiber.model = "spheroid"'
+            )
+            raise ValueError(msg)
         if not self.initial_angles:
             msg = 'fiber.initial_angles = []: at least one angle, such as ["0 deg"]'
             raise ValueError(msg)
@@ -264,10 +285,16 @@ class Config(Section):
 
     @model_validator(mode="after")
     def _scales(self) -> Self:
-        """Refuse a fiber that sees the walls: its cell takes the flow for a uniform gradient."""
+        """Refuse a fiber that sees the walls: every model takes the flow for a uniform gradient."""
         width, half_length = self.flow.capillary_width, self.fiber.half_length
+        if self.fiber.model != "confined-ellipse" and 2 * half_length >= width:
+            msg = (
+                f"fiber.half_length = {half_length:g} m is too long: the fiber does not fit across "
+                f"the capillary, flow.capillary_width = {width:g} m; shorten the fiber"
+            )
+            raise ValueError(msg)
         cell = self.fiber.domain_size * half_length
-        if cell >= width:
+        if self.fiber.model == "confined-ellipse" and cell >= width:
             msg = (
                 f"fiber.half_length = {half_length:g} m is too long: its cell is {cell:g} m "
                 f"across (fiber.domain_size = {self.fiber.domain_size:g} half-lengths), "

@@ -7,14 +7,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+from fibermelt.errors import ConfigError
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+    from numpy.typing import NDArray
 
+    from fibermelt.fiber.extremes import Extremes
+    from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.paths import PathBundle
-    from fibermelt.fiber.response import FiberResponse
+    from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["cell_stage", "motion_stage"]
 
@@ -26,14 +31,22 @@ PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
 
 
 def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Solve the fiber's cell."""
+    """Solve the fiber's cell, or take what is known of a fiber without one."""
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+
+    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
+    if parameters["fiber.model"] == "confined-ellipse":
+        return _confined(fiber, parameters, say)
+    return _unbounded(fiber, parameters["fiber.model"], say)
+
+
+def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
+    """Solve the cell of a confined ellipse."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
-    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     numerics = CellNumerics(
         order=parameters["numerics.cell_order"],
         pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
@@ -43,6 +56,7 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     stall_angle, error = solution.stall_angle, solution.error_estimate
     return labelled(
         {
+            "fiber_model": "confined-ellipse",
             "aspect_ratio": fiber.aspect_ratio,
             "domain_size": solution.domain_size,
             "shape_factor": solution.shape_factor,
@@ -62,15 +76,58 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     )
 
 
-def _response(cell: xr.Dataset) -> FiberResponse:
-    """Return the fiber's response that was stored."""
-    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415  lazy: see the module
+def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -> xr.Dataset:
+    """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
 
-    return FiberResponse(
-        aspect_ratio=float(cell["aspect_ratio"]),
-        shape_factor=float(cell["shape_factor"]),
-        surface=cell["surface_angle"].to_numpy(),
-        basis=cell["surface_basis"].to_numpy(),
+    An unbounded fiber tumbles, as ``xi < 1``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
+
+    model = unbounded_model(name, fiber)
+    response, around = model.response, surroundings(model)
+    say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
+    return labelled(
+        {
+            "fiber_model": name,
+            "aspect_ratio": fiber.aspect_ratio,
+            "domain_size": np.nan,
+            "shape_factor": response.shape_factor,
+            "stall_angle": np.nan,
+            "tip_pressure": response.tip_pressure,
+            "shape_factor_error": 0.0,
+            "tip_pressure_error": 0.0,
+            "cell_unknowns": 0,
+            "surface_angle": response.surface,
+            "surface_basis": response.basis,
+            "cell_point": around.points,
+            "cell_triangle": around.cells,
+            "cell_edge": around.lines,
+            "cell_velocity": around.velocity,
+            "cell_pressure": around.pressure,
+        }
+    )
+
+
+def _model(cell: xr.Dataset) -> FiberModel:
+    """Return the fiber's model that was stored."""
+    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    aspect_ratio = float(cell["aspect_ratio"])
+    name: Any = str(cell["fiber_model"].item())
+    if name != "confined-ellipse":
+        return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+    return confined_model(
+        FiberResponse(
+            aspect_ratio=aspect_ratio,
+            shape_factor=float(cell["shape_factor"]),
+            surface=cell["surface_angle"].to_numpy(),
+            basis=cell["surface_basis"].to_numpy(),
+        )
     )
 
 
@@ -94,42 +151,118 @@ def _path(lines: xr.Dataset) -> PathBundle:
 
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Follow the fibers along all streamlines, and find the pressure on their surfaces."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.extremes import KINDS, LOCATIONS, extreme_bounds  # noqa: PLC0415
+    from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
+    from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
-    from fibermelt.fiber.extremes import KINDS, LOCATIONS, extreme_bounds, extremes  # noqa: PLC0415
-    from fibermelt.fiber.motion import angle_to_stream_at, follow  # noqa: PLC0415
-    from fibermelt.fiber.population import QUANTILE_LEVELS, isotropic_pressure  # noqa: PLC0415
-    from fibermelt.fiber.pressure import pressure_bounds, surface_pressure  # noqa: PLC0415
-
-    path, response = _path(inputs["streamlines"]), _response(inputs["cell"])
+    path, model = _path(inputs["streamlines"]), _model(inputs["cell"])
     viscosity, count = parameters["melt.viscosity"], parameters["numerics.isotropic_angles"]
     middle = inputs["streamlines"]["middle_time"].to_numpy()
-    angles = np.asarray(parameters["fiber.initial_angles"])
-    say(f"{len(angles)} angles on {len(path)} streamlines")
-    motion = follow(path, response.shape_factor, angles, parameters["numerics.angle_tolerance"])
-    pressure = surface_pressure(path, response, viscosity, motion)
-    bounds = pressure_bounds(path, response, viscosity)
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
-    say(f"{count} angles of an isotropic start")
-    isotropic = isotropic_pressure(path, response, viscosity, middle, count, QUANTILE_LEVELS)
-    arrays: dict[str, Any] = {
+    if parameters["fiber.directions"] == "in-plane":
+        followed = _followed_in_plane(parameters, path, model, middle, zone_time, say)
+    else:
+        followed = _followed_in_space(parameters, path, model, middle, zone_time, say)
+    bounds = pressure_bounds(path, model.response, viscosity)
+    say(f"{count} directions of an isotropic start")
+    isotropic = model.isotropic_pressure(path, viscosity, middle, count, QUANTILE_LEVELS)
+    return labelled(
+        {
+            **followed,
+            "location": list(LOCATIONS),
+            "kind": list(KINDS),
+            "quantile": isotropic.levels,
+            "bound_lowest": bounds.lowest,
+            "bound_highest": bounds.highest,
+            "quantile_lowest": isotropic.lowest,
+            "quantile_highest": isotropic.highest,
+            "extreme_bounds": extreme_bounds(path, bounds, middle),
+            "extreme_quantiles": isotropic.extremes,
+        }
+    )
+
+
+def _followed_in_plane(
+    parameters: Parameters,
+    path: PathBundle,
+    model: FiberModel,
+    middle: NDArray[np.float64],
+    zone_time: NDArray[np.float64],
+    say: Say,
+) -> dict[str, Any]:
+    """Return the fibers that enter at the initial angles, in the plane of the flow."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
+    from fibermelt.fiber.motion import angle_to_stream_at, follow  # noqa: PLC0415
+    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
+
+    angles = np.asarray(parameters["fiber.initial_angles"])
+    tolerance = parameters["numerics.angle_tolerance"]
+    say(f"{len(angles)} angles on {len(path)} streamlines")
+    motion = follow(path, model.response.shape_factor, angles, tolerance)
+    pressure = surface_pressure(path, model.response, parameters["melt.viscosity"], motion)
+    return {
         "initial_angle": angles,
-        "location": np.asarray(LOCATIONS),
-        "kind": np.asarray(KINDS),
-        "quantile": isotropic.levels,
         "angle": motion.angle,
         "lowest": pressure.lowest,
         "highest": pressure.highest,
-        "bound_lowest": bounds.lowest,
-        "bound_highest": bounds.highest,
-        "quantile_lowest": isotropic.lowest,
-        "quantile_highest": isotropic.highest,
-        "extreme_bounds": extreme_bounds(path, bounds, middle),
-        "extreme_quantiles": isotropic.extremes,
         "zone_angle": angle_to_stream_at(path, motion, zone_time),
+        **_named(extremes(path, pressure, motion, middle)),
     }
-    found = extremes(path, pressure, motion, middle)
-    arrays["extreme"] = found.value
-    for name in ("x", "y", "time", "pressure", "angle", "where"):
-        arrays[f"extreme_{name}"] = getattr(found, name)
-    return labelled(arrays)
+
+
+def _followed_in_space(
+    parameters: Parameters,
+    path: PathBundle,
+    model: FiberModel,
+    middle: NDArray[np.float64],
+    zone_time: NDArray[np.float64],
+    say: Say,
+) -> dict[str, Any]:
+    """Return the fibers that enter evenly over the sphere, streamline by streamline.
+
+    They are ordered by their angle seen along z, which is that of the results; beside it stands
+    their elevation out of the plane.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
+    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
+    from fibermelt.fiber.spatial import (  # noqa: PLC0415
+        follow_spatial,
+        half_sphere,
+        spatial_pressure,
+    )
+
+    if model.spheroid is None:
+        msg = f'fiber.directions = "equal-area" with fiber.model = "{model.name}"'
+        raise ConfigError(msg)
+    start = half_sphere(parameters["fiber.direction_count"])
+    tolerance = parameters["numerics.angle_tolerance"]
+    say(f"{len(start)} directions on {len(path)} streamlines")
+    found = []
+    for one, middle_time, times in zip(path.histories, middle, zone_time, strict=True):
+        motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
+        pressure = spatial_pressure(one, model.spheroid, parameters["melt.viscosity"], motion)
+        found.append(
+            {
+                "angle": motion.angle,
+                "elevation": motion.elevation,
+                "lowest": pressure.lowest,
+                "highest": pressure.highest,
+                "zone_angle": angle_to_stream_at(one, motion, times),
+                **_named(extremes(one, pressure, motion, float(middle_time))),
+            }
+        )
+    return {
+        "initial_angle": np.arctan2(start[:, 1], start[:, 0]),
+        "initial_elevation": np.arcsin(start[:, 2]),
+        **{name: np.stack([line[name] for line in found]) for name in found[0]},
+    }
+
+
+def _named(found: Extremes) -> dict[str, Any]:
+    """Return extremes by the names of their variables."""
+    parts = ("x", "y", "time", "pressure", "angle", "where")
+    return {"extreme": found.value, **{f"extreme_{name}": getattr(found, name) for name in parts}}

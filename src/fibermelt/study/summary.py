@@ -52,7 +52,8 @@ def summarize(results: xr.Dataset, cost: Mapping[str, float]) -> dict[str, Any]:
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
-        angle to the streamline [rad].
+        angle to the streamline [rad], seen along z. A fiber in an unbounded melt has no
+        ``domain_size``, no unknowns and no error.
     """
     flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS}
     flow |= {name: int(results[name]) for name in FLOW_COUNTS}
@@ -81,12 +82,11 @@ def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _cell(results: xr.Dataset) -> dict[str, Any]:
-    stall_angle = float(results["stall_angle"])
     return {
         "aspect_ratio": float(results["aspect_ratio"]),
-        "domain_size": float(results["domain_size"]),
+        "domain_size": _or_none(results["domain_size"]),
         "shape_factor": float(results["shape_factor"]),
-        "stall_angle": None if math.isnan(stall_angle) else stall_angle,
+        "stall_angle": _or_none(results["stall_angle"]),
         "tip_pressure": float(results["tip_pressure"]),
         "error_estimate": {
             "shape_factor": float(results["shape_factor_error"]),
@@ -94,6 +94,12 @@ def _cell(results: xr.Dataset) -> dict[str, Any]:
         },
         "unknowns": int(results["cell_unknowns"]),
     }
+
+
+def _or_none(value: xr.DataArray) -> float | None:
+    """Return a number, None for the NaN of what does not exist."""
+    number = float(value)
+    return None if math.isnan(number) else number
 
 
 def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:

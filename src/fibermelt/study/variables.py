@@ -20,6 +20,7 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
     # The labels of the dimensions.
     "streamline": ("streamline", "1", "number of the streamline, from the left edge"),
     "initial_angle": ("initial_angle", "rad", "angle of the fiber at the inlet"),
+    "initial_elevation": ("initial_angle", "rad", "angle out of the plane at the inlet"),
     "zone": ("zone", "1", "1 capillary entrance, 2 nozzle exit, 3 end of the swell region"),
     "location": ("location", "1", "1 above the middle of the capillary, 2 below it"),
     "kind": ("kind", "1", "min or max of surface pressure less streamline pressure"),
@@ -73,9 +74,10 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "zone_time": ("streamline zone", "s", "time at which the zone is reached"),
     "middle_time": ("streamline", "s", "time at the middle of the capillary"),
     # The fiber's cell.
+    "fiber_model": ("", "1", "what answers for the fiber"),
     "aspect_ratio": ("", "1", "length over width of the fiber"),
-    "domain_size": ("", "1", "domain-size factor M"),
-    "shape_factor": ("", "1", "shape factor B of the confined fiber"),
+    "domain_size": ("", "1", "domain-size factor M; NaN if unbounded"),
+    "shape_factor": ("", "1", "shape factor B; Jeffery's xi if unbounded"),
     "stall_angle": ("", "rad", "angle to simple shear at which it stalls; NaN if it tumbles"),
     "tip_pressure": ("", "1", "largest surface pressure in simple shear over mu gamma_dot"),
     "shape_factor_error": ("", "1", "estimated absolute error of the shape factor"),
@@ -90,6 +92,7 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "cell_pressure": ("cell_node mode", "1", "pressure of the basis solutions"),
     # The fibers along the streamlines.
     "angle": (_FIBER, "rad", "angle of the fiber from the x axis"),
+    "elevation": (_FIBER, "rad", "angle of the fiber out of the plane of the flow"),
     "lowest": (_FIBER, "Pa", "lowest surface pressure less streamline pressure"),
     "highest": (_FIBER, "Pa", "highest surface pressure less streamline pressure"),
     "bound_lowest": (_PATH, "Pa", "lowest surface pressure over every orientation"),

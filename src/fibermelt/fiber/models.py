@@ -1,0 +1,146 @@
+"""What answers for a fiber: how it turns, and what its surface sees, for any planar flow.
+
+Three models, one interface. In the plane of the flow each is a `FiberResponse`, so that `follow`,
+`surface_pressure`, `pressure_bounds`, `extremes` and `orbit` take any of them:
+
+- ``confined-ellipse``: an ellipse in its circular cell (`solve_cell`), the paper's fiber;
+- ``ellipse``: the same in an unbounded melt (`unbounded_ellipse`);
+- ``spheroid``: a prolate spheroid in an unbounded melt (`planar_section`), whose tips see more.
+
+They differ in what "every orientation" is: angles in the plane for an ellipse, which is a cylinder
+across the flow, and directions in space for a spheroid. The bounds are the same in both readings
+(`fibermelt.fiber.section`), the quantiles of an isotropic start are not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.directions import equal_area_directions
+from fibermelt.fiber.extremes import extremes
+from fibermelt.fiber.jeffery import unbounded_ellipse
+from fibermelt.fiber.paths import Path, single_paths
+from fibermelt.fiber.population import (
+    ISOTROPIC_COUNT,
+    QUANTILE_LEVELS,
+    IsotropicPressure,
+    isotropic_pressure,
+)
+from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.section import planar_section
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.fiber.spatial import follow_spatial, spatial_pressure
+from fibermelt.fiber.spheroid import Spheroid, SpheroidResponse, unbounded_spheroid
+
+__all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
+
+Array = NDArray[np.float64]
+
+ModelName = Literal["confined-ellipse", "ellipse", "spheroid"]
+
+MODELS: tuple[ModelName, ...] = get_args(ModelName)
+"""The models by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class FiberModel:
+    """A fiber that can be followed through any planar flow.
+
+    Parameters
+    ----------
+    name : {"confined-ellipse", "ellipse", "spheroid"}
+        Which model it is.
+    response : FiberResponse
+        Its answer while it lies in the plane of the flow.
+    spheroid : SpheroidResponse or None
+        Its answer in any direction; None for an ellipse, which has no other.
+    """
+
+    name: ModelName
+    response: FiberResponse
+    spheroid: SpheroidResponse | None = None
+
+    def isotropic_pressure(
+        self,
+        path: Path,
+        viscosity: float,
+        middle_time: float | Array,
+        count: int = ISOTROPIC_COUNT,
+        levels: tuple[float, ...] = QUANTILE_LEVELS,
+    ) -> IsotropicPressure:
+        """Return quantiles of pressures and extremes for an isotropic start.
+
+        In the plane for an ellipse, over the sphere for a spheroid (`equal_area_directions`).
+        Parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
+        """
+        if self.spheroid is None:
+            return isotropic_pressure(path, self.response, viscosity, middle_time, count, levels)
+        return _isotropic_spheroids(path, self.spheroid, viscosity, middle_time, count, levels)
+
+
+def confined_model(response: FiberResponse) -> FiberModel:
+    """Return the model of a confined ellipse from its cell's response."""
+    return FiberModel("confined-ellipse", response)
+
+
+def unbounded_model(name: ModelName, fiber: Ellipse) -> FiberModel:
+    """Return the model of a fiber in an unbounded melt, exact to rounding.
+
+    Parameters
+    ----------
+    name : {"ellipse", "spheroid"}
+        Which one.
+    fiber : Ellipse
+        The fiber, or the section of the spheroid through its axis; its size does not matter.
+
+    Raises
+    ------
+    ConfigError
+        If the name is another.
+    """
+    if name == "ellipse":
+        return FiberModel(name, unbounded_ellipse(fiber))
+    if name == "spheroid":
+        spheroid = unbounded_spheroid(Spheroid(fiber.half_length, fiber.aspect_ratio))
+        return FiberModel(name, planar_section(spheroid), spheroid)
+    msg = f'fiber.model = "{name}": must be "ellipse" or "spheroid" in an unbounded melt'
+    raise ConfigError(msg)
+
+
+def _isotropic_spheroids(
+    path: Path,
+    spheroid: SpheroidResponse,
+    viscosity: float,
+    middle_time: float | Array,
+    count: int,
+    levels: tuple[float, ...],
+) -> IsotropicPressure:
+    """Return quantiles over spheroids that start isotropic in space, path by path."""
+    if not all(0 <= level <= 1 for level in levels):
+        msg = f"levels = {levels}: quantile levels lie between 0 and 1"
+        raise ConfigError(msg)
+    initial = equal_area_directions(count)
+    middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
+    parts: list[list[Array]] = []
+    for one, middle in zip(single_paths(path), middles, strict=True):
+        motion = follow_spatial(one, spheroid.shape_factor, initial)
+        pressure = spatial_pressure(one, spheroid, viscosity, motion)
+        found = extremes(one, pressure, motion, float(middle))
+        fibers = (pressure.lowest, pressure.highest, found.value)
+        parts.append([_quantiles(values, levels) for values in fibers])
+    lead = path.time.shape[:-1]
+    stacked = [
+        np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
+    ]
+    return IsotropicPressure(np.array(levels), *stacked)
+
+
+def _quantiles(values: Array, levels: tuple[float, ...]) -> Array:
+    """Return quantiles over the first axis, levels last."""
+    last = np.ascontiguousarray(np.moveaxis(values, 0, -1))
+    return np.moveaxis(np.quantile(last, levels, axis=-1), 0, -1)

@@ -1,0 +1,65 @@
+"""A spheroid in a planar flow, its axis in the plane: the section that sees the extremes.
+
+In the axes of such a fiber ``Sigma/mu`` of `fibermelt.fiber.spheroid` has the entries ``(c_a - c_o)
+D_11``, ``-(c_t + c_o) D_11`` across it in the plane, ``-c_o D_11`` along z, and ``c_s D_12``. With
+the normal ``(cos alpha, sin alpha, 0)`` of the section the pressure is
+
+    p - p_inf = mu (D_11 P_1 + D_12 P_2),
+    P_1 = (c_o - c_a) cos^2 alpha + (c_o + c_t) sin^2 alpha,      P_2 = -c_s sin 2 alpha,
+
+at the eccentric angle ``s``, ``tan alpha = r_e tan s``. The third principal pressure ``c_o D_11``,
+at the ends of the axis along z, lies between those of the tip and the flank, as ``c_a`` and ``c_t``
+are positive: the extremes over the whole surface lie in the section. So `FiberResponse`, its motion
+(the spin is ``W_21 + xi D_12`` as in two dimensions) and its extremes serve a spheroid as they are.
+
+They are bounds in space too: of all directions, those in the plane see the highest and the lowest
+extremes (the tests hold them against every direction for aspect ratios of 1 to 100).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fibermelt.errors import ConfigError
+from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.spheroid import SpheroidResponse
+
+__all__ = ["planar_section"]
+
+HARMONIC_TOLERANCE = 1e-16
+"""Size of the first harmonic ``m^k``, ``m = (a - b)/(a + b)``, that the points need not carry."""
+
+
+def planar_section(spheroid: SpheroidResponse) -> FiberResponse:
+    """Return the response of a spheroid whose axis lies in the plane of a planar flow.
+
+    Exact to rounding, over the whole surface: see the module.
+
+    Parameters
+    ----------
+    spheroid : SpheroidResponse
+        Of aspect ratio one or above.
+
+    Raises
+    ------
+    ConfigError
+        If the spheroid is oblate: its extremes over every orientation lie out of the plane.
+    """
+    r = spheroid.aspect_ratio
+    if r < 1.0:
+        msg = f"fiber.aspect_ratio = {r:g}: the section of a disc does not see its extremes: >= 1"
+        raise ConfigError(msg)
+    m = (r - 1.0) / (r + 1.0)
+    harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
+    points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))
+    surface = 2.0 * np.pi * np.arange(points) / points
+    half = surface[: points // 2]
+    along, across = np.cos(half), r * np.sin(half)
+    square = along * along + across * across
+    first = (spheroid.offset - spheroid.axial) * along * along
+    first = (first + (spheroid.offset + spheroid.transverse) * across * across) / square
+    second = -2.0 * spheroid.shear * along * across / square
+    basis = np.tile(np.stack([first, second], axis=-1), (2, 1))
+    return FiberResponse(r, spheroid.shape_factor, surface, basis)

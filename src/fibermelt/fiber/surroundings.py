@@ -1,0 +1,105 @@
+"""The two flows around a fiber in an unbounded melt, at the points of a net, to be drawn.
+
+What `CellSolution` has for a confined fiber, from the closed forms. Lengths are in units of the
+half-length, velocities in half-lengths a second, pressures over ``mu``; axes are the fiber's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.fiber.cell_grid import CellGrid
+from fibermelt.fiber.ellipse_field import ellipse_field
+from fibermelt.fiber.ellipsoid_field import ellipsoid_field
+from fibermelt.fiber.models import FiberModel
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.fiber.spheroid import Spheroid, embed_planar
+
+__all__ = ["Surroundings", "surroundings"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+RADIUS = 2.0
+"""Half-lengths that are drawn: as far as the default cell reaches, so that pictures compare."""
+
+SPACINGS = (0.6, 0.7)
+"""Net around and outward in the stretched coordinates of `CellGrid`, the default cell's."""
+
+PARTS = 6
+"""Points along a line of the net: as many as a picture of the default cell has, but one."""
+
+MODES = np.array([[[1.0, 0.0], [0.0, -1.0]], [[0.0, 1.0], [1.0, 0.0]]])
+"""Far fields ``D_11 = 1 1/s`` and ``D_12 = 1 1/s``."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """The two flows in the plane through the fiber's axis, as in `CellSolution`.
+
+    Parameters
+    ----------
+    points : (N, 2) array
+        Points, from the fiber to two half-lengths around its centre.
+    cells : (n_cells, 3) integer array
+        Triangles between them, counter-clockwise.
+    lines : (n_lines, k) integer array
+        Points along each line of the net.
+    velocity : (N, 2, 2) array
+        Point, mode, component.
+    pressure : (N, 2) array
+        Point, mode; relative to the far field.
+    """
+
+    points: Array
+    cells: Index
+    lines: Index
+    velocity: Array
+    pressure: Array
+
+
+def surroundings(model: FiberModel) -> Surroundings:
+    """Return the flows around a fiber in an unbounded melt.
+
+    Parameters
+    ----------
+    model : FiberModel
+        An unbounded one; for a confined fiber, `solve_cell` has its own.
+    """
+    ratio = model.response.aspect_ratio
+    points, cells, lines = _net(CellGrid(1.0 / ratio, RADIUS, *SPACINGS))
+    velocity, pressure = [], []
+    for mode in MODES:
+        if model.spheroid is None:
+            planar = ellipse_field(Ellipse(1.0, ratio), mode, 0.0, points)
+            velocity.append(planar.velocity)
+            pressure.append(planar.pressure)
+        else:
+            inside = np.concatenate([points, np.zeros((len(points), 1))], axis=-1)
+            body = Spheroid(1.0, ratio).as_ellipsoid()
+            spatial = ellipsoid_field(body, embed_planar(mode), inside)
+            velocity.append(spatial.velocity[:, :2])
+            pressure.append(spatial.pressure)
+    return Surroundings(points, cells, lines, np.stack(velocity, 1), np.stack(pressure, 1))
+
+
+def _net(grid: CellGrid) -> tuple[Array, Index, Index]:
+    """Return the points of a grid's refined rays and rings, triangles, and the grid's own lines."""
+    around, outward = grid.columns * PARTS, grid.rows * PARTS + 1
+    column = np.repeat(np.arange(grid.columns), PARTS)
+    quarters = np.arange(around) / (PARTS * grid.columns_per_quarter)
+    depth = np.linspace(0.0, 1.0, outward)
+    x, y = grid.position(grid.nearest_tip(column)[:, None], quarters[:, None], depth)
+    node = np.arange(around * outward).reshape(around, outward)
+    ahead = np.roll(node, -1, axis=0)
+    corners = [part.ravel() for part in (node[:, :-1], node[:, 1:], ahead[:, 1:], ahead[:, :-1])]
+    cells = [np.stack([corners[0], corners[k], corners[k + 1]], axis=-1) for k in (1, 2)]
+    places = np.arange(PARTS + 1)
+    starts = np.arange(0, around, PARTS)
+    rays = node[starts][:, np.arange(0, outward - 1, PARTS)[:, None] + places]
+    rings = node[(starts[:, None] + places) % around][:, :, ::PARTS]
+    lines = [rays.reshape(-1, PARTS + 1), np.moveaxis(rings, 1, -1).reshape(-1, PARTS + 1)]
+    return np.stack([x.ravel(), y.ravel()], axis=-1), np.concatenate(cells), np.concatenate(lines)

@@ -1,0 +1,215 @@
+"""One fiber in simple shear, over one turn: what `fibermelt orbit` answers.
+
+What computes is imported when it is asked for, as in the stages.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import ConfigError
+
+if TYPE_CHECKING:
+    from fibermelt.fiber.orbit import Orbit
+
+__all__ = ["PATHS", "OrbitStudy", "orbit_in_words", "read_quantity", "run_orbit"]
+
+PATHS = ("superposition", "newton")
+"""Ways to the answer: the cell's two flows, exact in the angle, or the paper's own algorithm."""
+
+KEYS = (
+    "period",
+    "period_jeffery",
+    "shape_factor",
+    "stalls",
+    "stall_angle",
+    "max_pressure",
+    "min_pressure",
+    "tip_max",
+    "tip_min",
+    "angle_at_min",
+    "where_at_min",
+)
+"""What is said of an orbit; its cost comes last."""
+
+
+@dataclass(frozen=True)
+class OrbitStudy:
+    """A fiber in the simple shear ``u_x = gamma_dot y``.
+
+    Parameters
+    ----------
+    aspect_ratio : float
+        ``r_e`` [-], at least one.
+    shear_rate : float
+        ``gamma_dot`` [1/s], positive.
+    viscosity : float
+        ``mu`` of the melt [Pa s], positive.
+    model : str
+        One of `fibermelt.fiber.models.MODELS`.
+    domain_size : float
+        ``M`` of the confined ellipse [-], above 2; the other models have no cell and ignore it.
+    angle : float
+        Angle from the flow direction at the start [rad].
+    path : str
+        One of `PATHS`; the paper's algorithm needs a cell.
+    """
+
+    aspect_ratio: float
+    shear_rate: float
+    viscosity: float
+    model: str = "confined-ellipse"
+    domain_size: float = 4.0
+    angle: float = 0.0
+    path: str = "superposition"
+
+
+def read_quantity(option: str, text: str, unit: str, bare: str = "") -> float:
+    """Return the quantity that an option of the command line says, in SI.
+
+    Parameters
+    ----------
+    option : str
+        Its name, for the message.
+    text : str
+        A number, or a number with a unit: ``1``, ``"1 1/s"``.
+    unit : str
+        The SI unit.
+    bare : str
+        The unit of a number without one; the SI unit if empty.
+
+    Raises
+    ------
+    ConfigError
+        If it is neither, or of another dimension, or not finite.
+    """
+    from fibermelt.units import parse  # noqa: PLC0415  lazy: the unit library
+
+    try:
+        return parse(_with_unit(text, bare), unit)
+    except ConfigError as error:
+        msg = f'{option} = "{text}": {error}'
+        raise ConfigError(msg) from None
+
+
+def _with_unit(text: str, bare: str) -> str | float:
+    """Return a number as one, or with the unit that it has when none is written."""
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    return f"{text} {bare}" if bare and math.isfinite(number) else number
+
+
+def run_orbit(study: OrbitStudy) -> dict[str, Any]:
+    """Return period, shape factor and pressure extremes of a fiber's orbit, in SI.
+
+    Parameters
+    ----------
+    study : OrbitStudy
+        The fiber and the flow.
+
+    Returns
+    -------
+    dict
+        ``period`` [s] (None if it stalls), ``period_jeffery`` [s], ``shape_factor``, ``stalls``,
+        ``stall_angle`` [rad], pressures relative to the far field's [Pa] over the orbit (half a
+        turn if it stalls), ``angle_at_min`` and ``where_at_min`` [rad], and ``cost``: the seconds
+        of the cell, the orbit and both, the orientations that were sampled and the linear solves
+        they took (none where the answer is exact).
+
+    Raises
+    ------
+    ConfigError
+        If a parameter is out of its range, or the path does not go with the model.
+    ConvergenceError
+        As in `fibermelt.fiber.orbit_newton`.
+    """
+    from fibermelt.fiber.models import MODELS  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.orbit import checked_shear  # noqa: PLC0415
+
+    for name, value, known in (("model", study.model, MODELS), ("path", study.path, PATHS)):
+        if value not in known:
+            choices = " or ".join(f'"{choice}"' for choice in known)
+            msg = f'{name} = "{value}": must be {choices}'
+            raise ConfigError(msg)
+    checked_shear(study.shear_rate, study.viscosity, study.angle)
+    newton = study.path == "newton"
+    if newton and study.model != "confined-ellipse":
+        msg = (
+            f'path = "newton": the paper\'s algorithm works on a cell, which model = '
+            f'"{study.model}" has not: take model "confined-ellipse", or path "superposition"'
+        )
+        raise ConfigError(msg)
+    found, cell, turn = _newton(study) if newton else _superposition(study)
+    cost = {
+        "cell": cell,
+        "orbit": turn,
+        "total": cell + turn,
+        "steps": found.steps,
+        "solves": found.solves,
+    }
+    return {**{key: getattr(found, key) for key in KEYS}, "cost": cost}
+
+
+def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
+    """Return the orbit from the fiber's response, and the seconds that both took."""
+    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.orbit import orbit  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    fiber = Ellipse(1.0, study.aspect_ratio)
+    if study.model == "confined-ellipse":
+        from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  a second's import
+        from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
+
+        start = perf_counter()
+        numerics = CellNumerics(estimate=False)
+        model = confined_model(solve_cell(fiber, study.domain_size, numerics).response)
+    else:
+        start = perf_counter()
+        model = unbounded_model("ellipse" if study.model == "ellipse" else "spheroid", fiber)
+    middle = perf_counter()
+    found = orbit(model.response, study.shear_rate, study.viscosity, study.angle)
+    return found, middle - start, perf_counter() - middle
+
+
+def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:
+    """Return the orbit by the paper's algorithm, and the seconds of cell and orbit."""
+    from fibermelt.fiber.cell import build_system  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.newton_orbit import orbit_newton  # noqa: PLC0415
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    start = perf_counter()
+    system = build_system(Ellipse(1.0, study.aspect_ratio), study.domain_size)
+    middle = perf_counter()
+    found = orbit_newton(system, study.shear_rate, study.viscosity, study.angle)
+    return found, middle - start, perf_counter() - middle
+
+
+def orbit_in_words(answer: Mapping[str, Any]) -> str:
+    """Return what `run_orbit` found as a few lines for a person."""
+    jeffery = f"{answer['period_jeffery']:.6g} s for the same fiber in an unbounded melt"
+    if answer["stalls"]:
+        turning = f"none: it stalls at {math.degrees(answer['stall_angle']):.3f} deg ({jeffery})"
+    else:
+        turning = f"{answer['period']:.6g} s ({jeffery})"
+    # the sum takes the sign off a zero
+    angle, where = (
+        round(math.degrees(answer[key]), 2) + 0.0 for key in ("angle_at_min", "where_at_min")
+    )
+    return "\n".join(
+        [
+            f"shape factor    {answer['shape_factor']:.6f}",
+            f"period          {turning}",
+            f"surface         {answer['min_pressure']:.6g} to {answer['max_pressure']:.6g} Pa",
+            f"tips            {answer['tip_min']:.6g} to {answer['tip_max']:.6g} Pa",
+            f"lowest          at {angle:.2f} deg to the flow, at the eccentric angle {where:.2f} "
+            "deg",
+            f"cost            {answer['cost']['total']:.2f} s",
+        ]
+    )

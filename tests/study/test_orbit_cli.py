@@ -1,0 +1,152 @@
+"""`fibermelt orbit`: what it prints, the numbers that are known, and what it refuses."""
+
+import json
+import math
+
+import pytest
+from typer.testing import CliRunner
+
+from fibermelt.cli import app
+
+KEYS = [
+    "period",
+    "period_jeffery",
+    "shape_factor",
+    "stalls",
+    "stall_angle",
+    "max_pressure",
+    "min_pressure",
+    "tip_max",
+    "tip_min",
+    "angle_at_min",
+    "where_at_min",
+    "cost",
+]
+COMMON = {"--aspect-ratio": "6", "--shear-rate": "1", "--viscosity": "817"}
+PRINTED = 0.005  # half a unit of the last digit that is printed
+
+
+def invoke(options, *flags):
+    arguments = [part for option in {**COMMON, **options}.items() for part in option]
+    return CliRunner().invoke(app, ["orbit", *arguments, *flags])
+
+
+def orbit(**options):
+    named = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
+    done = invoke(named, "--json")
+    assert (done.exit_code, done.stderr) == (0, "")
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("model", ["confined-ellipse", "ellipse", "spheroid"])
+def test_the_keys_and_their_order(model):
+    answer = orbit(model=model)
+    assert list(answer) == KEYS
+    assert answer["cost"]["total"] == answer["cost"]["cell"] + answer["cost"]["orbit"]
+
+
+def test_the_ellipse_of_table_1():
+    answer = orbit(model="ellipse")
+    assert answer["period"] == pytest.approx(38.75, abs=PRINTED)
+    assert answer["period"] == pytest.approx(2 * math.pi * (6 + 1 / 6), rel=1e-8)
+    assert answer["period"] == pytest.approx(answer["period_jeffery"], rel=1e-12)
+    for key in ("max_pressure", "tip_max"):
+        assert answer[key] == pytest.approx(817 * 7, rel=1e-12)
+    for key in ("min_pressure", "tip_min"):
+        assert answer[key] == pytest.approx(-817 * 7, rel=1e-12)
+    assert answer["angle_at_min"] == pytest.approx(math.pi / 4, abs=1e-9)
+    assert answer["where_at_min"] == pytest.approx(0, abs=1e-9)
+    assert (answer["stalls"], answer["stall_angle"]) == (False, None)
+
+
+def test_the_confined_ellipse_of_the_paper_stalls():
+    answer = orbit()
+    assert answer["period"] is None
+    assert answer["stalls"]
+    assert answer["stall_angle"] == pytest.approx(0.129, abs=PRINTED / 10)
+    assert answer["tip_max"] == pytest.approx(9.836 * 817, rel=1e-4)
+
+
+def test_a_wide_cell_lets_it_tumble():
+    answer = orbit(domain_size="80")
+    assert answer["period"] == pytest.approx(answer["period_jeffery"], rel=5e-3)  # 1/M^2
+    assert answer["max_pressure"] == pytest.approx(817 * 7, rel=2e-3)
+
+
+def test_a_spheroid_sees_more():
+    answer = orbit(model="spheroid")
+    assert answer["tip_max"] / 817 == pytest.approx(15.53, abs=PRINTED)
+    assert answer["period"] == pytest.approx(38.75, abs=PRINTED)
+
+
+def test_units_and_the_start():
+    answer = orbit(model="ellipse", shear_rate="120 1/min", viscosity="0.817 kPa s", angle="30")
+    assert answer["max_pressure"] == pytest.approx(2 * 817 * 7, rel=1e-12)
+    assert answer["period"] == pytest.approx(38.75 / 2, abs=PRINTED)
+    circle = {"model": "ellipse", "aspect_ratio": "1"}
+    # a circle sees its lowest pressure at any angle, so at the first
+    for start in ("30", "30 deg", f"{math.pi / 6} rad"):
+        assert orbit(**circle, angle=start)["angle_at_min"] == pytest.approx(math.pi / 6)
+
+
+def test_the_papers_algorithm_agrees():
+    """The extremes of this orbit are at 45 degrees and at the tip, where it has a sample."""
+    exact, newton = orbit(), orbit(path="newton")
+    assert (newton.pop("cost")["steps"], exact.pop("cost")["solves"]) == (400, 0)
+    assert newton.pop("period") is exact.pop("period") is None
+    assert newton == pytest.approx(exact, rel=1e-8, abs=1e-8)
+
+
+def test_in_words():
+    done = invoke({})
+    assert done.exit_code == 0
+    assert "none: it stalls at 7.405 deg (38.7463 s" in done.stdout
+    assert "tips            -8035.93 to 8035.93 Pa" in done.stdout
+    done = invoke({"--model": "ellipse"})
+    assert "period          38.7463 s" in done.stdout
+    assert (
+        "lowest          at 45.00 deg to the flow, at the eccentric angle 0.00 deg" in done.stdout
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"--shear-rate": "-1"}, "shear_rate = -1 1/s: must be positive, e.g. 1"),
+        (
+            {"--shear-rate": "1 s"},
+            '--shear-rate = "1 s": has the unit "s", which measures time, not 1 / time',
+        ),
+        ({"--viscosity": "nan"}, '--viscosity = "nan": is not finite'),
+        ({"--angle": "steep"}, '--angle = "steep": is not a number in rad'),
+        (
+            {"--model": "disc"},
+            'model = "disc": must be "confined-ellipse" or "ellipse" or "spheroid"',
+        ),
+        ({"--path": "euler"}, 'path = "euler": must be "superposition" or "newton"'),
+        (
+            {"--path": "newton", "--model": "spheroid"},
+            'path = "newton": the paper\'s algorithm works on a cell, which model = "spheroid" '
+            'has not: take model "confined-ellipse", or path "superposition"',
+        ),
+        (
+            {"--aspect-ratio": "0.5", "--model": "spheroid"},
+            "fiber.aspect_ratio = 0.5: must be at least 1 (length over width); for a fiber lying "
+            "across give its inverse and turn the angles by 90 deg",
+        ),
+        (
+            {"--domain-size": "2"},
+            "fiber.domain_size = 2: the cell's radius is domain_size/2 half-lengths and must "
+            "exceed one, or the fiber is larger than its cell; the paper takes 4",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line(options, line):
+    done = invoke(options, "--json")
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr == f"error: {line}\n"
+
+
+def test_an_unbounded_fiber_has_no_cell_to_be_too_small():
+    assert orbit(model="ellipse", domain_size="1")["max_pressure"] == pytest.approx(817 * 7)
