@@ -21,6 +21,7 @@ _CELL_PARAMETERS = (
     "fiber.model",
     "fiber.domain_size",
     "fiber.pressure_reference",
+    "numerics.cell_mesh",
     "numerics.cell_order",
 )
 _MOTION_PARAMETERS = (

@@ -47,10 +47,12 @@ def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
 
-    numerics = CellNumerics(
-        order=parameters["numerics.cell_order"],
-        pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
-    )
+    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    if parameters["numerics.cell_mesh"] == "paper":
+        numerics = CellNumerics(mesh="paper", pressure_reference=reference)
+    else:
+        order = parameters["numerics.cell_order"]
+        numerics = CellNumerics(order=order, pressure_reference=reference)
     solution = solve_cell(fiber, parameters["fiber.domain_size"], numerics)
     say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
     stall_angle, error = solution.stall_angle, solution.error_estimate
