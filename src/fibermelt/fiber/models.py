@@ -24,12 +24,13 @@ from fibermelt.errors import ConfigError
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.extremes import extremes
 from fibermelt.fiber.jeffery import unbounded_ellipse
-from fibermelt.fiber.paths import Path, single_paths
+from fibermelt.fiber.paths import Path
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
     QUANTILE_LEVELS,
     IsotropicPressure,
     isotropic_pressure,
+    population_quantiles,
 )
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.section import planar_section
@@ -121,26 +122,11 @@ def _isotropic_spheroids(
     levels: tuple[float, ...],
 ) -> IsotropicPressure:
     """Return quantiles over spheroids that start isotropic in space, path by path."""
-    if not all(0 <= level <= 1 for level in levels):
-        msg = f"levels = {levels}: quantile levels lie between 0 and 1"
-        raise ConfigError(msg)
     initial = equal_area_directions(count)
-    middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
-    parts: list[list[Array]] = []
-    for one, middle in zip(single_paths(path), middles, strict=True):
+
+    def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
         motion = follow_spatial(one, spheroid.shape_factor, initial)
         pressure = spatial_pressure(one, spheroid, viscosity, motion)
-        found = extremes(one, pressure, motion, float(middle))
-        fibers = (pressure.lowest, pressure.highest, found.value)
-        parts.append([_quantiles(values, levels) for values in fibers])
-    lead = path.time.shape[:-1]
-    stacked = [
-        np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
-    ]
-    return IsotropicPressure(np.array(levels), *stacked)
+        return pressure.lowest, pressure.highest, extremes(one, pressure, motion, middle).value
 
-
-def _quantiles(values: Array, levels: tuple[float, ...]) -> Array:
-    """Return quantiles over the first axis, levels last."""
-    last = np.ascontiguousarray(np.moveaxis(values, 0, -1))
-    return np.moveaxis(np.quantile(last, levels, axis=-1), 0, -1)
+    return population_quantiles(path, middle_time, levels, pressures)

@@ -6,6 +6,7 @@ often it does. Hundreds of initial angles go through the same linear system as t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from fibermelt.fiber.paths import Path, single_paths
 from fibermelt.fiber.pressure import surface_pressure
 from fibermelt.fiber.response import FiberResponse
 
-__all__ = ["QUANTILE_LEVELS", "IsotropicPressure", "isotropic_pressure"]
+__all__ = ["QUANTILE_LEVELS", "IsotropicPressure", "isotropic_pressure", "population_quantiles"]
 
 Array = NDArray[np.float64]
 
@@ -79,27 +80,53 @@ def isotropic_pressure(
     ConfigError
         If a level lies outside [0, 1], or as in `follow`, `surface_pressure` and `extremes`.
     """
+    initial = isotropic_angles(count)
+
+    def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
+        motion = follow(one, response.shape_factor, initial)
+        pressure = surface_pressure(one, response, viscosity, motion)
+        return pressure.lowest, pressure.highest, extremes(one, pressure, motion, middle).value
+
+    return population_quantiles(path, middle_time, levels, pressures)
+
+
+def population_quantiles(
+    path: Path,
+    middle_time: float | Array,
+    levels: tuple[float, ...],
+    pressures: Callable[[Path, float], tuple[Array, Array, Array]],
+) -> IsotropicPressure:
+    """Return quantiles over a population of fibers, whatever follows them, path by path.
+
+    Parameters
+    ----------
+    path, middle_time, levels
+        As in `isotropic_pressure`.
+    pressures : callable
+        From one path and its middle time to the population's lowest and highest pressures
+        (n_fibers, n) and extremes (n_fibers, 2, 2), relative to the streamline's [Pa].
+
+    Raises
+    ------
+    ConfigError
+        If a level lies outside [0, 1].
+    """
     if not all(0 <= level <= 1 for level in levels):
         msg = f"levels = {levels}: quantile levels lie between 0 and 1"
         raise ConfigError(msg)
-    initial = isotropic_angles(count)
     middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
-    lowest, highest, extreme = [], [], []
-    for one, middle in zip(single_paths(path), middles, strict=True):
-        motion = follow(one, response.shape_factor, initial)
-        pressure = surface_pressure(one, response, viscosity, motion)
-        found = extremes(one, pressure, motion, float(middle))
-        lowest.append(_quantiles(pressure.lowest.T, levels))
-        highest.append(_quantiles(pressure.highest.T, levels))
-        extreme.append(_quantiles(np.moveaxis(found.value, 0, -1), levels))
+    parts = [
+        [_quantiles(values, levels) for values in pressures(one, float(middle))]
+        for one, middle in zip(single_paths(path), middles, strict=True)
+    ]
     lead = path.time.shape[:-1]
     stacked = [
-        np.stack(values).reshape(*lead, *values[0].shape) for values in (lowest, highest, extreme)
+        np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
     ]
     return IsotropicPressure(np.array(levels), *stacked)
 
 
 def _quantiles(values: Array, levels: tuple[float, ...]) -> Array:
-    """Return quantiles over the last axis, levels last."""
-    contiguous = np.ascontiguousarray(values)
-    return np.moveaxis(np.quantile(contiguous, levels, axis=-1), 0, -1)
+    """Return quantiles over the first axis, levels last."""
+    last = np.ascontiguousarray(np.moveaxis(values, 0, -1))
+    return np.moveaxis(np.quantile(last, levels, axis=-1), 0, -1)
