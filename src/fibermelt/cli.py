@@ -121,9 +121,9 @@ def run(
     with _told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
         from fibermelt.study.loading import load_study, replaces_another  # noqa: PLC0415
+        from fibermelt.study.parts import in_words  # noqa: PLC0415
         from fibermelt.study.progress import observing  # noqa: PLC0415
         from fibermelt.study.runner import run_study  # noqa: PLC0415
-        from fibermelt.study.summary import in_words  # noqa: PLC0415
 
         resolved = load_study(study, sets or [])
         folder = _folder(out, resolved.name)
@@ -145,7 +145,8 @@ def run(
                 err=True,
             )
             raise typer.Exit(INTERRUPTED) from None
-        _print(json.dumps(summary, indent=1) if as_json else in_words(summary, folder))
+        words = in_words(summary, CHAIN, resolved, folder)
+        _print(json.dumps(summary, indent=1) if as_json else words)
 
 
 def _folder(out: str | None, name: str) -> Path:

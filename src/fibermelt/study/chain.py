@@ -9,9 +9,9 @@ from fibermelt.study.flow_stages import (
     streamlines_stage,
     write_fields,
 )
-from fibermelt.study.runner import Chain
+from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Stage
-from fibermelt.study.summary import summarize
+from fibermelt.study.summary import bead_in_words, summarize_bead
 
 __all__ = ["CHAIN"]
 
@@ -24,6 +24,7 @@ _CELL_PARAMETERS = (
     "numerics.cell_mesh",
     "numerics.cell_order",
 )
+_STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     "melt.viscosity",
     "fiber.initial_angles",
@@ -36,12 +37,13 @@ _MOTION_PARAMETERS = (
 CHAIN = Chain(
     stages=(
         Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
-        Stage("streamlines", 1, ("flow", "melt", "streamlines"), ("flow",), streamlines_stage),
+        Stage(
+            "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
+        ),
         Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
         Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
     ),
+    parts=(Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),),
     version=1,
-    summarize=summarize,
-    write_fields=write_fields,
 )
-"""What `fibermelt run` goes through."""
+"""What `fibermelt run` goes through, as far as a study asks for it."""

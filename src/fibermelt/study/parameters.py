@@ -6,7 +6,8 @@ resolved copy in the results folder and the reference in the documentation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import operator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -27,7 +28,7 @@ __all__ = [
     "setting",
 ]
 
-Value = float | int | str | bool | tuple[float, ...] | None
+Value = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
 """What a parameter can be once resolved."""
 
 BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
@@ -35,7 +36,7 @@ BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
 def quantity(
-    default: str | float | list[str] | None,
+    default: str | float | list[str] | list[float] | None,
     unit: str,
     doc: str,
     *,
@@ -61,10 +62,12 @@ def quantity(
     hints : dict of str, optional
         What a value beyond a bound would mean, by the name of the bound, for error messages.
     **bounds : float
-        ``gt``, ``ge``, ``lt``, ``le`` [unit]. Of two bounds on one side a value is told the
-        looser that it breaks: ``gt`` may say what makes no sense, ``ge`` what is not verified.
+        ``gt``, ``ge``, ``lt``, ``le`` [unit]; of a list, those of its items. Of two bounds on one
+        side a value is told the looser that it breaks: ``gt`` may say what makes no sense, ``ge``
+        what is not verified.
     """
     written = default[0] if isinstance(default, list) else default
+    is_list = isinstance(default, list)
     return Field(
         default=_resolved(default, unit),
         description=doc,
@@ -76,38 +79,41 @@ def quantity(
             "source": source,
             "hints": {**(hints or {})},
             "example": example or (written if isinstance(written, str) else ""),
+            "items": _checked(bounds) if is_list else {},
         },
-        **_checked(bounds),
+        **({} if is_list else _checked(bounds)),
     )
 
 
 def setting(
-    default: str | int | bool | None,
+    default: str | int | bool | list[str] | list[int] | None,
     doc: str,
     *,
     source: str = "",
     hints: dict[str, str] | None = None,
     **bounds: float,
 ) -> Any:
-    """Declare what has no unit: a count, an order, a choice (a ``Literal`` type) or a flag.
+    """Declare what has no unit: a count, an order, a choice (a ``Literal`` type), a flag, a list.
 
     Parameters
     ----------
     default, doc, source, hints, **bounds
         As in `quantity`.
     """
+    is_list = isinstance(default, list)
     return Field(
-        default=default,
+        default=tuple(default) if isinstance(default, list) else default,
         description=doc,
         json_schema_extra={
             "quantity": False,
             "unit": "",
-            "written": default,
+            "written": list(default) if isinstance(default, list) else default,
             "source": source,
             "hints": {**(hints or {})},
-            "example": "",
+            "example": default[0] if isinstance(default, list) else "",
+            "items": _checked(bounds) if is_list else {},
         },
-        **_checked(bounds),
+        **({} if is_list else _checked(bounds)),
     )
 
 
@@ -134,14 +140,31 @@ class Section(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _units(cls, value: object, info: ValidationInfo) -> object:
-        """Resolve the units of a quantity; everything else goes on as it is."""
+        """Resolve the units of a quantity; a list in TOML is a tuple here."""
         extra = _extra(cls.model_fields[str(info.field_name)])
         if not extra.get("quantity"):
-            return value
-        unit = str(extra["unit"])
-        if not isinstance(value, (list, tuple)):
-            return _resolved_for_pydantic(value, unit)
-        return tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
+            items = tuple(value) if isinstance(value, list) else value
+        elif isinstance(value, (list, tuple)):
+            unit = str(extra["unit"])
+            items = tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
+        else:
+            return _resolved_for_pydantic(value, str(extra["unit"]))
+        if isinstance(items, tuple):
+            _refuse_items(items, extra)
+        return items
+
+
+_HOLDS = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
+
+
+def _refuse_items(items: tuple[object, ...], extra: Mapping[str, Any]) -> None:
+    """Refuse an item of a list that is out of the range of its items."""
+    for i, item in enumerate(items, 1):
+        for name, bound in extra.get("items", {}).items():
+            if isinstance(item, (int, float)) and not _HOLDS[name](item, bound):
+                limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip()
+                msg = f"item {i} = {item:g} {extra['unit']}".rstrip() + f" {limit}"
+                raise ValueError(msg)
 
 
 def _resolved_for_pydantic(value: object, unit: str, item: int = 0) -> object:
@@ -173,24 +196,27 @@ class Declaration:
     key: str
     unit: str
     default: Value
-    written: str | float | list[str] | None
+    written: str | float | list[str] | list[float] | list[int] | None
     doc: str
     source: str
     hints: dict[str, str]
-    example: str
+    example: str | int
     bounds: tuple[tuple[str, float], ...]
     choices: tuple[str, ...]
+    is_list: bool
 
     @property
     def range(self) -> str:
         """Return the admissible range in words: ``above 0 m`` or ``"mean" or "far-node"``."""
+        each = "each " if self.is_list else ""
         if self.choices:
-            return " or ".join(f'"{choice}"' for choice in self.choices)
-        return " and ".join(
+            return each + " or ".join(f'"{choice}"' for choice in self.choices)
+        words = " and ".join(
             f"{BOUNDS[name]} {bound:g} {self.unit}".rstrip()
             for name, bound in self.bounds
             if not (name == "gt" and "ge" in dict(self.bounds))
         )
+        return each + words if words else ""
 
 
 def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declaration]:
@@ -201,7 +227,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             yield from declarations(field.annotation, f"{key}.")
             continue
         extra = _extra(field)
-        is_choice = get_origin(field.annotation) is Literal
+        is_list = get_origin(field.annotation) is tuple
+        item = get_args(field.annotation)[0] if is_list else field.annotation
         yield Declaration(
             key=key,
             unit=extra["unit"],
@@ -211,13 +238,15 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             source=extra["source"],
             hints=extra["hints"],
             example=extra["example"],
-            bounds=tuple(
+            bounds=tuple(extra["items"].items())
+            or tuple(
                 (name, float(getattr(constraint, name)))
                 for constraint in field.metadata
                 for name in BOUNDS
                 if hasattr(constraint, name)
             ),
-            choices=tuple(map(str, get_args(field.annotation))) if is_choice else (),
+            choices=tuple(map(str, get_args(item))) if get_origin(item) is Literal else (),
+            is_list=is_list,
         )
 
 

@@ -76,6 +76,8 @@ class Stage:
         Names of the stages that it is fed; they come before it in the chain.
     compute : callable
         Does it.
+    told_with : str
+        Another stage under whose name its cost is told, in the summary.
     """
 
     name: str
@@ -83,6 +85,12 @@ class Stage:
     parameters: tuple[str, ...]
     inputs: tuple[str, ...]
     compute: Compute
+    told_with: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Return the name under which its cost is told."""
+        return self.told_with or self.name
 
 
 def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:
