@@ -159,6 +159,20 @@ ONE_LINE = [
         '[fiber]\npressure_reference = "a\\n\\u001b[31m"',
         r'^fiber\.pressure_reference = "a\\n\\x1b\[31m": must be',
     ),
+    (
+        '[study]\nparts = ["beat"]',
+        r'^study\.parts = \["beat"\]: each must be "bead" or "orbits" or',
+    ),
+    ('[study]\nparts = "bead"', r'^study\.parts = "bead": must be a list, such as \["bead"\]$'),
+    ("[study]\nparts = []", r'^study\.parts = \[\]: name at least one, such as \["bead"\]$'),
+    (
+        "[sensitivity]\naspect_ratios = [3, 0.5]",
+        r"^sensitivity\.aspect_ratios = \[3, 0\.5\]: item 2 = 0\.5: must be at least 1$",
+    ),
+    (
+        "[streamlines]\nfeatures = [4, 0]",
+        r"^streamlines\.features = \[4, 0\]: item 2 = 0: must be at least 1$",
+    ),
     ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),
 ]
 

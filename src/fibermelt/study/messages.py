@@ -66,7 +66,8 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
         wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
         return f"{fault['ctx']['error']}{wanted}"
     if kind == "literal_error":
-        return f"must be {declaration.range}"
+        each = "each must be " if declaration.is_list else "must be "
+        return each + declaration.range.removeprefix("each ")
     if kind.startswith("tuple_"):
         return f"must be a list, such as [{toml_value(declaration.example)}]"
     wanted = next(

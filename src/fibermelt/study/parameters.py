@@ -163,7 +163,7 @@ def _refuse_items(items: tuple[object, ...], extra: Mapping[str, Any]) -> None:
         for name, bound in extra.get("items", {}).items():
             if isinstance(item, (int, float)) and not _HOLDS[name](item, bound):
                 limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip()
-                msg = f"item {i} = {item:g} {extra['unit']}".rstrip() + f" {limit}"
+                msg = f"item {i} = {item:g} {extra['unit']}".rstrip() + f": {limit}"
                 raise ValueError(msg)
 
 
