@@ -85,7 +85,7 @@ class Notes:
 
 def run(folder: Path, *overrides: str, chain: Chain = CHAIN, fresh: bool = False) -> Notes:
     notes = Notes()
-    study = load_study("paper", ['study.parts=["bead"]', *overrides])
+    study = load_study("paper", overrides)
     run_study(study, folder, chain, draw=draw, fresh=fresh, observer=notes)
     return notes
 

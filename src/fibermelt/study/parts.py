@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.study.loading import Study
+    from fibermelt.study.parameters import Value
 
 __all__ = ["Chain", "Part", "in_words"]
 
@@ -72,12 +73,12 @@ class Chain:
         """Return the parts of some names."""
         return tuple(part for part in self.parts if part.name in names)
 
-    def needed(self, names: Collection[str]) -> tuple[Stage, ...]:
-        """Return the stages that some parts need, with all that feeds them, in order."""
+    def needed(self, names: Collection[str], values: Mapping[str, Value]) -> tuple[Stage, ...]:
+        """Return the stages that some parts of a resolved study need, with all that feeds them."""
         wanted = {stage for part in self.asked(names) for stage in part.stages}
         for stage in reversed(self.stages):
             if stage.name in wanted:
-                wanted.update(stage.inputs)
+                wanted.update(stage.fed(values))
         return tuple(stage for stage in self.stages if stage.name in wanted)
 
 

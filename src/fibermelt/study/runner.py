@@ -95,7 +95,7 @@ class _Run:
 
     def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
         values = flatten(self.study.config)
-        stages = self.chain.needed(self.study.config.study.parts)
+        stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
         key = self._key(stage_keys)
         found: dict[str, Record | None] = {
@@ -123,12 +123,13 @@ class _Run:
     def _compute(
         self, stage: Stage, stage_keys: Mapping[str, str], data: Mapping[str, xr.Dataset]
     ) -> tuple[Record, xr.Dataset]:
-        parameters = stage_parameters(stage, flatten(self.study.config))
+        values = flatten(self.study.config)
+        parameters, fed = stage_parameters(stage, values), stage.fed(values)
         start = time.perf_counter()
         self.observer.step(stage.name, "started")
         dataset = stage.compute(
             parameters,
-            {name: data[name] for name in stage.inputs},
+            {name: data[name] for name in fed},
             lambda line: self.observer.step(stage.name, line),
         )
         record = Record(
@@ -136,7 +137,7 @@ class _Run:
             version=stage.version,
             key=stage_keys[stage.name],
             parameters=dict(parameters),
-            inputs={name: stage_keys[name] for name in stage.inputs},
+            inputs={name: stage_keys[name] for name in fed},
             cost=time.perf_counter() - start,
             data="",
             software=_software(),
