@@ -176,10 +176,12 @@ class Fiber(Section):
         "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
         source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
     )
-    domain_size: float = quantity(
+    domain_size: float | Literal["from-content"] = quantity(
         4.0,
         "",
-        "Domain-size factor M: the cell's radius is M / 2 half-lengths. Confined ellipse only.",
+        "Domain-size factor M: the cell's radius is M / 2 half-lengths. From content: so that the "
+        "fiber stalls at the preferred angle of its suspension. Confined ellipse only.",
+        words=("from-content",),
         gt=2,
         ge=2.01,
         le=200,
@@ -365,8 +367,10 @@ class Config(Section):
                 f"the capillary, flow.capillary_width = {width:g} m; shorten the fiber"
             )
             raise ValueError(msg)
+        if self.fiber.model != "confined-ellipse" or self.fiber.domain_size == "from-content":
+            return self
         cell = self.fiber.domain_size * half_length
-        if self.fiber.model == "confined-ellipse" and cell >= width:
+        if cell >= width:
             msg = (
                 f"fiber.half_length = {half_length:g} m is too long: its cell is {cell:g} m "
                 f"across (fiber.domain_size = {self.fiber.domain_size:g} half-lengths), "

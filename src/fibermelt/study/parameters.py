@@ -43,6 +43,7 @@ def quantity(
     source: str = "",
     example: str = "",
     hints: dict[str, str] | None = None,
+    words: tuple[str, ...] = (),
     **bounds: float,
 ) -> Any:
     """Declare a physical quantity: a float in SI, or a tuple of them.
@@ -61,13 +62,16 @@ def quantity(
         How to write it, for error messages; the default where that is a text.
     hints : dict of str, optional
         What a value beyond a bound would mean, by the name of the bound, for error messages.
+    words : tuple of str
+        Texts that may stand in its place.
     **bounds : float
         ``gt``, ``ge``, ``lt``, ``le`` [unit]; of a list, those of its items. Of two bounds on one
         side a value is told the looser that it breaks: ``gt`` may say what makes no sense, ``ge``
         what is not verified.
     """
     written = default[0] if isinstance(default, list) else default
-    is_list = isinstance(default, list)
+    # pydantic bounds numbers only, not what may be a list of them or a word.
+    own = isinstance(default, list) or bool(words)
     return Field(
         default=_resolved(default, unit),
         description=doc,
@@ -79,9 +83,10 @@ def quantity(
             "source": source,
             "hints": {**(hints or {})},
             "example": example or (written if isinstance(written, str) else ""),
-            "items": _checked(bounds) if is_list else {},
+            "bounds": _checked(bounds) if own else {},
+            "words": list(words),
         },
-        **({} if is_list else _checked(bounds)),
+        **({} if own else _checked(bounds)),
     )
 
 
@@ -111,7 +116,8 @@ def setting(
             "source": source,
             "hints": {**(hints or {})},
             "example": default[0] if isinstance(default, list) else "",
-            "items": _checked(bounds) if is_list else {},
+            "bounds": _checked(bounds) if is_list else {},
+            "words": [],
         },
         **({} if is_list else _checked(bounds)),
     )
@@ -142,38 +148,42 @@ class Section(BaseModel):
     def _units(cls, value: object, info: ValidationInfo) -> object:
         """Resolve the units of a quantity; a list in TOML is a tuple here."""
         extra = _extra(cls.model_fields[str(info.field_name)])
-        if not extra.get("quantity"):
-            items = tuple(value) if isinstance(value, list) else value
-        elif isinstance(value, (list, tuple)):
-            unit = str(extra["unit"])
-            items = tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
-        else:
-            return _resolved_for_pydantic(value, str(extra["unit"]))
-        if isinstance(items, tuple):
-            _refuse_items(items, extra)
-        return items
+        if isinstance(value, (list, tuple)):
+            items = tuple(value)
+            if extra.get("quantity"):
+                items = tuple(
+                    _resolved_for_pydantic(item, extra, i) for i, item in enumerate(items, 1)
+                )
+            for i, item in enumerate(items, 1):
+                _refuse_beyond(item, extra, f"item {i} = {excerpt(item)} {extra['unit']}".rstrip())
+            return items
+        if not extra.get("quantity") or value in extra["words"]:
+            return value
+        number = _resolved_for_pydantic(value, extra)
+        _refuse_beyond(number, extra)
+        return number
 
 
 _HOLDS = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
 
 
-def _refuse_items(items: tuple[object, ...], extra: Mapping[str, Any]) -> None:
-    """Refuse an item of a list that is out of the range of its items."""
-    for i, item in enumerate(items, 1):
-        for name, bound in extra.get("items", {}).items():
-            if isinstance(item, (int, float)) and not _HOLDS[name](item, bound):
-                limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip()
-                msg = f"item {i} = {item:g} {extra['unit']}".rstrip() + f": {limit}"
-                raise ValueError(msg)
+def _refuse_beyond(value: object, extra: Mapping[str, Any], which: str = "") -> None:
+    """Refuse a number that is out of a range which pydantic does not check."""
+    for name, bound in extra.get("bounds", {}).items():
+        if isinstance(value, (int, float)) and not _HOLDS[name](value, bound):
+            hint = f" ({extra['hints'][name]})" if name in extra["hints"] else ""
+            limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip() + hint
+            raise ValueError(f"{which}: {limit}" if which else limit)
 
 
-def _resolved_for_pydantic(value: object, unit: str, item: int = 0) -> object:
+def _resolved_for_pydantic(value: object, extra: Mapping[str, Any], item: int = 0) -> object:
     """Resolve units; pydantic collects ValueErrors, and stops at anything else."""
     try:
         # An item is one number: a list in a list is refused here, however deep it goes.
-        return parse(value, unit) if value is not None else None
+        return parse(value, str(extra["unit"])) if value is not None else None
     except ConfigError as error:
         msg = f'item {item} = "{excerpt(value)}" {error}' if item else str(error)
+        msg += "".join(f'; or write "{word}"' for word in extra["words"])
         raise ValueError(msg) from error
 
 
@@ -202,6 +212,7 @@ class Declaration:
     hints: dict[str, str]
     example: str | int
     bounds: tuple[tuple[str, float], ...]
+    words: tuple[str, ...]
     choices: tuple[str, ...]
     is_list: bool
 
@@ -216,7 +227,8 @@ class Declaration:
             for name, bound in self.bounds
             if not (name == "gt" and "ge" in dict(self.bounds))
         )
-        return each + words if words else ""
+        instead = "".join(f' or "{word}"' for word in self.words)
+        return each + words + instead if words else ""
 
 
 def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declaration]:
@@ -238,13 +250,14 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             source=extra["source"],
             hints=extra["hints"],
             example=extra["example"],
-            bounds=tuple(extra["items"].items())
+            bounds=tuple(extra["bounds"].items())
             or tuple(
                 (name, float(getattr(constraint, name)))
                 for constraint in field.metadata
                 for name in BOUNDS
                 if hasattr(constraint, name)
             ),
+            words=tuple(extra["words"]),
             choices=tuple(map(str, get_args(item))) if get_origin(item) is Literal else (),
             is_list=is_list,
         )
