@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fibermelt.study.claims import claims_in_words, summarize_claims
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
@@ -43,7 +44,10 @@ CHAIN = Chain(
         Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
         Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
     ),
-    parts=(Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),),
+    parts=(
+        Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
+        Part("claims", (), summarize_claims, claims_in_words),
+    ),
     version=1,
 )
 """What `fibermelt run` goes through, as far as a study asks for it."""

@@ -39,10 +39,11 @@ def _edge(default: float, doc: str) -> float:
 class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
-    parts: tuple[Literal["bead", "orbits", "dimensions"], ...] = setting(
+    parts: tuple[Literal["bead", "orbits", "dimensions", "claims"], ...] = setting(
         ["bead"],
         'What is computed. "bead": fibers along the streamlines of the deposition flow; "orbits": '
-        'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid.',
+        'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
+        '"claims": whether the paper\'s claims hold in what the other parts found.',
     )
 
     @model_validator(mode="after")
