@@ -90,9 +90,12 @@ WRONG = [
     ('"flow.gap" = [1]\n"flow.gap, flow.outlet" = [[1, 2]]', r"sweep: flow\.gap varies twice"),
     ('"flow.gap, flow.outlet" = [1]', "1: must be a list of 2 values"),
     ('"study.parts" = [["bead"]]', "study.parts cannot vary"),
+    ('"flow.gap" = { from = 1, to = 2, count = 2000000 }', "count = 2000000: must be a whole"),
     (
-        '"numerics.isotropic_angles" = { from = 3, to = 9, count = 2000000 }',
-        "2000000 cases, at most",
+        '"flow.gap" = { low = 1, high = 2 }
+design = "sobol"
+samples = 1048576',
+        "1048576 cases, at most",
     ),
 ]
 
