@@ -92,9 +92,7 @@ WRONG = [
     ('"study.parts" = [["bead"]]', "study.parts cannot vary"),
     ('"flow.gap" = { from = 1, to = 2, count = 2000000 }', "count = 2000000: must be a whole"),
     (
-        '"flow.gap" = { low = 1, high = 2 }
-design = "sobol"
-samples = 1048576',
+        '"flow.gap" = { low = 1, high = 2 }\ndesign = "sobol"\nsamples = 1048576',
         "1048576 cases, at most",
     ),
 ]
