@@ -104,12 +104,25 @@ def _texts(figure: Figure) -> list[Text]:
     return [text for text in found if text.get_visible() and text.get_text().strip()]
 
 
+def _five_marked() -> xr.Dataset:
+    config = "[streamlines]\nfeatures = [2, 6, 10, 14, 18]"
+    bead = made_up(angles=13)
+    return bead.assign_attrs(config=bead.attrs["config"].split("[streamlines]")[0] + config)
+
+
+VARIANTS = {
+    "the paper's": made_up,
+    "one streamline, one angle": lambda: made_up(count=1, angles=1),
+    "five marked streamlines": _five_marked,
+}
+
+
 @every_figure
-@pytest.mark.parametrize("count", [22, 1])
+@pytest.mark.parametrize("variant", VARIANTS)
 def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
-    plate: Plate, count: int, results: xr.Dataset
+    plate: Plate, variant: str
 ) -> None:
-    figure = plate.draw(results if count == 22 else made_up(count=count, angles=1))
+    figure = plate.draw(VARIANTS[variant]())
     canvas = FigureCanvasAgg(figure)
     with mpl.rc_context(STYLE):
         canvas.draw()

@@ -23,6 +23,7 @@ __all__ = [
     "center_feature",
     "features",
     "initial_angles",
+    "named",
     "numbered",
     "regular",
     "rest",
@@ -35,6 +36,9 @@ FEATURES, PAPER_COUNT = (4, 10, 18), 22
 COLORS = (BLUE, VERMILION, GREEN, ORANGE, PINK)
 """Colours of the marked streamlines, the same in every figure: no more are marked than there are
 colours to tell them apart."""
+
+CLEAR = 0.05
+"""Names of streamlines closer than this share of all would overlap."""
 
 ZONES = ("capillary entrance", "nozzle exit", "end of swell")
 """The paper's zones 1 to 3."""
@@ -107,6 +111,19 @@ def rest(results: xr.Dataset) -> Iterator[int]:
     """Yield the rows of the streamlines that are not marked."""
     marked = {feature.row for feature in features(results)}
     return (row for row in range(results.sizes["streamline"]) if row not in marked)
+
+
+def named(results: xr.Dataset) -> dict[int, str | None]:
+    """Return the rows of the streamlines that scales name, with the colours of the marked ones.
+
+    The first and the last are among them where they stand clear of a marked one.
+    """
+    found: dict[int, str | None] = {feature.row: feature.color for feature in features(results)}
+    count = results.sizes["streamline"]
+    for end in (0, count - 1):
+        if all(abs(end - row) > CLEAR * count for row in found):
+            found[end] = None
+    return dict(sorted(found.items()))
 
 
 def at_time(results: xr.Dataset, name: str, when: Array) -> Array:

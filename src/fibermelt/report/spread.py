@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from fibermelt.report.lines import features, initial_angles, regular
+from fibermelt.report.lines import initial_angles, named, regular
 from fibermelt.report.scene import MPA
 from fibermelt.report.style import BAND, LOW, Array, key_mark
 
@@ -63,12 +63,11 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
     axes.set_xlabel("streamline, from the left edge")
-    marked = {feature.row: feature.color for feature in features(results)}
-    shown = sorted({0, len(number) - 1, *marked})
-    axes.set_xticks(number[shown], [str(number[row]) for row in shown])
-    for row, tick in zip(shown, axes.get_xticklabels(), strict=True):
-        if row in marked:
-            tick.set_color(marked[row])
+    shown = named(results)
+    axes.set_xticks(number[[*shown]], [str(number[row]) for row in shown])
+    for color, tick in zip(shown.values(), axes.get_xticklabels(), strict=True):
+        if color is not None:
+            tick.set_color(color)
             tick.set_fontweight("bold")
 
 

@@ -21,7 +21,7 @@ from fibermelt.report.drawing import (
     scene_axes,
     zone_badge,
 )
-from fibermelt.report.lines import ZONES, at_time, features, numbered, rest
+from fibermelt.report.lines import ZONES, at_time, features, named, numbered, rest
 from fibermelt.report.scene import MM, Scene, Window, read_scene
 from fibermelt.report.style import (
     GREY,
@@ -133,9 +133,7 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
     """Write the numbers of the marked streamlines, the first and the last over the inlet."""
     numbers = results["streamline"].to_numpy()
     x, y = MM * results["x"].to_numpy()[:, 0], MM * results["y"].to_numpy()[:, 0]
-    chosen = {feature.row: feature.color for feature in features(results)}
-    chosen |= {row: GREY for row in (0, len(numbers) - 1) if row not in chosen}
-    for row, color in chosen.items():
+    for row, color in named(results).items():
         axes.annotate(
             str(numbers[row]),
             (x[row], y[row]),
@@ -143,7 +141,7 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
             textcoords="offset points",
             ha="center",
             va="bottom",
-            color=color,
+            color=color or GREY,
             fontweight="bold",
         )
 

@@ -77,7 +77,7 @@ DIVERGING = "RdBu_r"
 ATMOSPHERE = "RdBu"
 """Pressure against the air's: red where it pulls on the melt, blue where it presses."""
 
-PNG_DOTS, SVG_DOTS = 180, 130
+PNG_DOTS, SVG_DOTS = 180, 115
 """Dots per inch of PNG, and of what is painted inside SVG: smooth fields, whose bytes count."""
 
 DECIMALS = re.compile(r"(\.\d\d)\d+")
