@@ -67,6 +67,9 @@ def draw_contours(
         zorder=1,
     )
     field.set_paths([plain(path, ROUGH) for path in field.get_paths()])
+    # Edges of the areas' own colour, without which the paper would shine through between them.
+    field.set_edgecolor("face")
+    field.set_linewidth(0.4)
     return field
 
 
