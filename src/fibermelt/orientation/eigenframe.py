@@ -10,9 +10,10 @@ Where two eigenvalues coincide, their axes are arbitrary. A function of the tens
 be unchanged by a turn about the third axis k: ``h_i = h_j = 3/8 h_k``. The exact closure is; fits
 miss it by their error, so that their value would depend on an arbitrary choice. Within ``SAME`` of
 that state the average over the turn is taken instead (for three equal eigenvalues: over all turns,
-H = 0). The average is the only choice that no rotation of the laboratory changes, and it keeps
-uniaxial flows uniaxial. It is a jump of a fit by its own departure from ``h_i = h_j = 3/8 h_k``,
-which is tabulated in the tests; for the exact closure it is below 1e-13.
+H = 0), of the value and of the derivative. The average is the only choice that no rotation of the
+laboratory changes, and it keeps uniaxial flows uniaxial. For a fit it is a jump by its departure
+from ``h_i = h_j = 3/8 h_k``, tabulated in the tests; outside, the derivative is that of the fit as
+published, with a pole of that strength over the gap. For the exact closure nothing jumps.
 """
 
 from __future__ import annotations
@@ -32,12 +33,16 @@ __all__ = ["SAME", "EigenframeLaw", "PrincipalDeviation"]
 Array = NDArray[np.float64]
 
 SAME = 1e-7
-"""Gap below which two eigenvalues count as equal.
+"""Gap, relative to the sum of two eigenvalues, below which they count as equal.
 
 The divided differences carry rounding over the gap (1e-16/1e-7) and their limit is off by the gap
 itself: both errors of the derivative are 1e-7 or less, of no consequence to a Newton step. The
-value is off by the square of the gap.
+value is off by the square of the gap. Relative, because an exact closure of nearly aligned fibers
+varies on the scale of the two small eigenvalues.
 """
+
+ROUNDING = 1e-12
+"""Gap below which eigenvalues count as equal whatever their size: above their rounding, 1e-15."""
 
 _PAIRS = ((0, 1, 2), (0, 2, 1), (1, 2, 0))
 """Two axes and the third."""
@@ -121,7 +126,9 @@ class EigenframeLaw:
         shape = (*np.broadcast_shapes(a.shape[:-2], da.shape[:-3]), *da.shape[-3:])
         values, axes = eigenframe(np.broadcast_to(a, (*shape[:-3], 3, 3)).reshape(-1, 3, 3))
         h, slopes = self.deviation.value_and_slopes(values)
-        slopes, quotients = _quotients(values, h, slopes)
+        same = _coincide(values)
+        h, slopes = _average(values, h, slopes, same)
+        quotients = _quotients(values, h, slopes, same)
         each = axes[:, None]
         along = np.broadcast_to(da, shape).reshape(len(axes), -1, 3, 3)
         along = each.swapaxes(-1, -2) @ along @ each
@@ -141,28 +148,50 @@ def _pairwise(h: Array) -> Array:
     return result
 
 
-def _turned_part(h: Array, pair: tuple[int, int, int]) -> tuple[Array, Array]:
-    """Return what of H turns with twice and with four times the angle about the third axis."""
-    i, j, k = pair
-    return h[..., i] - h[..., j], h[..., i] + h[..., j] - 0.75 * h[..., k]
+def _coincide(values: Array) -> NDArray[np.bool_]:
+    """Return where the first two and where the last two eigenvalues count as equal, (n, 2)."""
+    size = np.abs(values)
+    bound = SAME * (size[:, :2] + size[:, 1:]) + ROUNDING
+    result: NDArray[np.bool_] = values[:, :2] - values[:, 1:] <= bound
+    return result
 
 
 def _averaged(deviation: PrincipalDeviation, values: Array) -> Array:
     """Return h, averaged over the arbitrary axes where eigenvalues coincide."""
     h = deviation.value(values)
-    gaps = values[:, :2] - values[:, 1:]
-    if np.min(gaps, initial=1.0) > SAME:
-        return h
-    for position, (i, j, k) in enumerate(((0, 1, 2), (1, 2, 0))):
-        rows = np.flatnonzero(gaps[:, position] <= SAME)
-        if rows.size:
-            # What a function of the tensor alone has left at this gap: its slope times the gap.
-            slopes = deviation.value_and_slopes(values[rows])[1]
-            twofold = _odd_slope(slopes, i, j) * gaps[rows, position]
-            h[rows, i] = 0.375 * h[rows, k] + 0.5 * twofold
-            h[rows, j] = 0.375 * h[rows, k] - 0.5 * twofold
-    h[np.all(gaps <= SAME, axis=1)] = 0.0
+    same = _coincide(values)
+    rows = np.flatnonzero(same.any(axis=1))
+    if rows.size:
+        _, slopes = deviation.value_and_slopes(values[rows])
+        h[rows], _ = _average(values[rows], h[rows], slopes, same[rows])
     return h
+
+
+def _average(
+    values: Array, h: Array, slopes: Array, same: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Return h and its slopes averaged over the turn about the axis of the third eigenvalue.
+
+    Of the value only ``h_k`` survives. A function of the tensor alone has, at a small gap, also
+    ``h_i - h_j`` = slope times gap; that is kept, because its slope is.
+    """
+    h, slopes = h.copy(), slopes.copy()
+    for position, (i, j, k) in enumerate(((0, 1, 2), (1, 2, 0))):
+        rows = np.flatnonzero(same[:, position])
+        odd = 0.5 * _odd_slope(slopes[rows], i, j)
+        difference = odd * (values[rows, i] - values[rows, j])
+        h[rows, i] = 0.375 * h[rows, k] + difference
+        h[rows, j] = 0.375 * h[rows, k] - difference
+        zonal = slopes[rows, k]
+        zonal[:, i] = zonal[:, j] = 0.5 * (zonal[:, i] + zonal[:, j])
+        turning = np.zeros_like(zonal)
+        turning[:, i], turning[:, j] = odd, -odd
+        slopes[rows, k] = zonal
+        slopes[rows, i] = 0.375 * zonal + turning
+        slopes[rows, j] = 0.375 * zonal - turning
+    isotropic = same.all(axis=1)
+    h[isotropic], slopes[isotropic] = 0.0, 0.0
+    return h, slopes
 
 
 def _odd_slope(slopes: Array, i: int, j: int) -> Array:
@@ -172,55 +201,35 @@ def _odd_slope(slopes: Array, i: int, j: int) -> Array:
     return result
 
 
-def _quotients(values: Array, h: Array, slopes: Array) -> tuple[Array, Array]:
-    """Return the slopes of h and the divided differences ``dH_ijkk / E_ij``.
+def _quotients(values: Array, h: Array, slopes: Array, same: NDArray[np.bool_]) -> Array:
+    """Return the divided differences ``dH_ijkk / E_ij`` from averaged h and slopes.
 
     A turn of the axes by ``E_ij/(lambda_i - lambda_j)`` changes ``H_iiij`` by ``H_iiii -
     3 H_iijj``, ``H_jjij`` by ``3 H_iijj - H_jjjj`` and ``H_ijkk`` by ``H_iikk - H_jjkk`` times
-    that angle. In terms of the parts u, v that turn two- and fourfold these are ``2 v + u/2``,
-    ``u/2 - 2 v`` and ``-u``. Where the eigenvalues coincide u over the gap becomes its slope and v
-    over the gap becomes 0, and the slopes are averaged over the turn as the value is.
+    that angle. With ``u = h_i - h_j``, which turns with twice the angle about axis k, and
+    ``v = h_i + h_j - 3/4 h_k``, with four times, these are ``2 v + u/2``, ``u/2 - 2 v``, ``-u``.
+    Where the eigenvalues coincide u over the gap becomes its slope and v over the gap 0.
 
     Returns
     -------
-    slopes : (n, 3, 3) array
-        ``d h_i / d lambda_j``.
-    quotients : (n, 3, 3, 3) array
+    (n, 3, 3, 3) array
         ``[i, j, k]``, symmetric in i and j, 0 for i = j.
     """
-    slopes, quotients = slopes.copy(), np.zeros((len(values), 3, 3, 3))
-    isotropic = values[:, 0] - values[:, 2] <= 2.0 * SAME
-    for pair in _PAIRS:
-        i, j, k = pair
-        gap = values[:, i] - values[:, j]
-        same = (gap <= SAME) & ~isotropic
-        safe = np.where(gap <= SAME, 1.0, gap)
-        twofold, fourfold = (part / safe for part in _turned_part(h, pair))
-        limit = _odd_slope(slopes, i, j)
-        twofold, fourfold = np.where(same, limit, twofold), np.where(same, 0.0, fourfold)
+    quotients = np.zeros((len(values), 3, 3, 3))
+    # Two eigenvalues that are not neighbours coincide only if all three do.
+    coincide = {(0, 1): same[:, 0], (1, 2): same[:, 1], (0, 2): same.all(axis=1)}
+    for i, j, k in _PAIRS:
+        at_limit = coincide[i, j]
+        gap = np.where(at_limit, 1.0, values[:, i] - values[:, j])
+        twofold = (h[:, i] - h[:, j]) / gap
+        fourfold = (h[:, i] + h[:, j] - 0.75 * h[:, k]) / gap
+        twofold = np.where(at_limit, _odd_slope(slopes, i, j), twofold)
+        fourfold = np.where(at_limit, 0.0, fourfold)
         for first, second in ((i, j), (j, i)):
             quotients[:, first, second, i] = 2.0 * fourfold + 0.5 * twofold
             quotients[:, first, second, j] = 0.5 * twofold - 2.0 * fourfold
             quotients[:, first, second, k] = -twofold
-        if np.any(same):
-            _average_slopes(slopes, same, limit, pair)
-    slopes[isotropic] = 0.0
-    quotients[isotropic] = 0.0
-    return slopes, quotients
-
-
-def _average_slopes(
-    slopes: Array, same: NDArray[np.bool_], limit: Array, pair: tuple[int, int, int]
-) -> None:
-    """Replace the slopes in the rows ``same`` by their average over the turn about axis k."""
-    i, j, k = pair
-    zonal = slopes[same, k]
-    zonal[:, i] = zonal[:, j] = 0.5 * (zonal[:, i] + zonal[:, j])
-    odd = np.zeros_like(zonal)
-    odd[:, i], odd[:, j] = 0.5 * limit[same], -0.5 * limit[same]
-    slopes[same, k] = zonal
-    slopes[same, i] = 0.375 * zonal + odd
-    slopes[same, j] = 0.375 * zonal - odd
+    return quotients
 
 
 def _assemble(pairwise: Array, turns: Array) -> Array:
