@@ -44,8 +44,8 @@ for the higher powers in the derivatives."""
 BELOW, ABOVE = 37.0, 25.0
 """What is left out: below s = b_min e^-37 a part of 1e-16, above b_max e^25 one of e^(-1.5 25)."""
 
-CHUNK = 1024
-"""Tensors integrated together: some 200 nodes each, a few megabytes."""
+CHUNK = 64
+"""Tensors integrated together: some 200 nodes each, arrays that stay in the cache."""
 
 EXPONENT = 1.8
 """First guess ``b ~ lambda^-1.8``: 5/3 is right near random, 2 near planar orientation."""
@@ -175,7 +175,7 @@ def _nodes(b: Array) -> _Nodes:
     count = int(np.ceil(np.max(high - low, initial=0.0) / STEP)) + 1
     s = np.exp(low[:, None] + STEP * np.arange(count))
     inverse = 1.0 / (b[:, :, None] + s[:, None, :])
-    weight = STEP * s * np.sqrt(inverse.prod(axis=1))
+    weight = STEP * s * np.sqrt(inverse[:, 0] * inverse[:, 1] * inverse[:, 2])
     return _Nodes(s, inverse, weight)
 
 
