@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 LAPACK_BATCH = 256
 """Tensors up to which LAPACK, one by one, is as fast as the vectorised rotations below."""
 
-CHUNK = 8192
+CHUNK = 2048
 """Tensors rotated together: their 15 numbers each stay in the second-level cache."""
 
 SWEEPS = 12
