@@ -29,7 +29,7 @@ def eigenframe(a: Array) -> tuple[Array, Array]:
     """Return the eigenvalues, largest first, and the eigenvectors as columns.
 
     Small batches go to LAPACK. Large ones go through cyclic Jacobi rotations (Golub and Van Loan,
-    Matrix Computations, section 8.5), all tensors at once: four times faster, and as accurate
+    Matrix Computations), all tensors at once: four times faster, and as accurate
     where eigenvalues coincide, which the closed formula for cubic roots is not.
 
     Parameters
