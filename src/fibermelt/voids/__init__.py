@@ -7,14 +7,13 @@ margin is positive where nothing starts.
 from __future__ import annotations
 
 from fibermelt.voids.constants import ATMOSPHERE
+from fibermelt.voids.criteria import MechanicalCriterion, ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius, FreeVolume
-from fibermelt.voids.han import HanHan, bubble_pressure
+from fibermelt.voids.han import HanConstants, HanHan, bubble_pressure
 from fibermelt.voids.margin import Assessment, Onset, assess, assess_onset
 from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.nucleation import (
     ClassicalNucleation,
-    MechanicalCriterion,
-    ResidenceCondition,
     critical_radius,
     molecules_per_volume,
 )
@@ -38,6 +37,7 @@ __all__ = [
     "ClassicalNucleation",
     "FloryHuggins",
     "FreeVolume",
+    "HanConstants",
     "HanHan",
     "Henry",
     "Isotherm",

@@ -14,7 +14,7 @@ from fibermelt.voids.constants import BOLTZMANN
 from fibermelt.voids.nucleation import LN10, ONE_EVENT, critical_radius, log10_barrier
 from fibermelt.voids.solution import log_activity
 
-__all__ = ["HanHan", "bubble_pressure"]
+__all__ = ["HanConstants", "HanHan", "bubble_pressure"]
 
 Array = NDArray[np.float64]
 
@@ -65,6 +65,25 @@ def bubble_pressure(
 
 
 @dataclass(frozen=True)
+class HanConstants:
+    """What Han and Han's rate needs of a polymer and its volatile, and nobody can derive.
+
+    Parameters
+    ----------
+    prefactor : float
+        ``B_1`` [-], > 0.
+    prefactor_temperature : float
+        ``B_2`` [K].
+    interaction : float
+        ``chi`` [-].
+    """
+
+    prefactor: float
+    prefactor_temperature: float
+    interaction: float
+
+
+@dataclass(frozen=True)
 class HanHan:
     """The rate of nucleation in a polymer solution (the paper's Eq. 40, 41 and 43).
 
@@ -108,7 +127,7 @@ class HanHan:
 
     References
     ----------
-    Han and Han 1990, doi 10.1002/polb.1990.090280510.
+    Han and Han, J. Polym. Sci. B 28 (1990) 743.
     """
 
     source: ClassVar[str] = "Han and Han 1990; the paper, Eq. 40-44 with Eq. 43 corrected"

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from fibermelt.errors import HistoryError
 from fibermelt.voids.checks import checked_range, checked_value
 from fibermelt.voids.constants import ATMOSPHERE
+from fibermelt.voids.criteria import ResidenceCondition
 from fibermelt.voids.nucleation import (
     ONE_EVENT,
     ClassicalNucleation,
-    ResidenceCondition,
     critical_radius,
 )
 

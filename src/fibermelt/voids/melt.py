@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
 from fibermelt.voids.checks import checked_range, checked_value
+from fibermelt.voids.criteria import ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius
+from fibermelt.voids.han import HanConstants, HanHan
 from fibermelt.voids.nucleation import (
     ClassicalNucleation,
-    ResidenceCondition,
     molecules_per_volume,
 )
+from fibermelt.voids.solution import FloryHuggins
 from fibermelt.voids.surface_tension import LinearTension
 from fibermelt.voids.vapor import Isotherm, critical_moisture
 from fibermelt.voids.wetting import wetting_factor
@@ -28,9 +30,10 @@ Law = TypeVar("Law")
 
 RESULTS: Mapping[str, str] = {
     "isotherm": "vapor pressure, margin, critical moisture, and whatever follows from them",
-    "diffusion": "critical time and the residence condition",
+    "diffusion": "critical time, no residence condition",
     "surface": "critical radius, nucleation rate and the wetting that would start it",
     "contact_angle": "heterogeneous rate: the rate is the homogeneous one, a lower bound",
+    "solution": "rate after Han and Han",
 }
 """What a melt without a law cannot give."""
 
@@ -55,6 +58,11 @@ class VolatileMelt:
         Of the melt against its vapor.
     contact_angle : float or None
         Young's angle of the melt on its fibers, through the melt [rad], 0 to pi, pi excluded.
+    polymer_fraction : float
+        Mass fraction of the melt that is polymer and holds the moisture [-], above 0, at most 1:
+        moisture is counted over the polymer's own mass, fibers hold none.
+    solution : HanConstants or None
+        Of the rate after Han and Han.
     missing : mapping
         Which keys of its card are empty, by the name of the law that needs them.
 
@@ -71,11 +79,14 @@ class VolatileMelt:
     diffusion: Arrhenius | None = None
     surface: LinearTension | None = None
     contact_angle: float | None = None
+    polymer_fraction: float = 1.0
+    solution: HanConstants | None = None
     missing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Refuse what is no melt."""
         checked_value("melt.density", self.density, "kg/m3", above=0.0)
+        checked_value("melt.polymer_fraction", self.polymer_fraction, above=0.0, most=1.0)
         cold, hot = self.temperatures
         checked_value("melt.temperatures", cold, "K", above=0.0, most=hot)
         if self.contact_angle is not None:
@@ -136,11 +147,35 @@ class VolatileMelt:
             If the melt is dry, a value is out of range, or the card has no surface tension.
         """
         angle = self.contact_angle
+        held = self.density * self.polymer_fraction
         return ClassicalNucleation(
             tension=self.tension(temperature),
             temperature=temperature,
-            molecules=float(molecules_per_volume(moisture, self.density)),
+            molecules=float(molecules_per_volume(moisture, held)),
             wetting_factor=1.0 if angle is None else float(wetting_factor(np.pi - angle)),
+        )
+
+    def han_han(self, moisture: float, temperature: float) -> HanHan:
+        """Return the rate after Han and Han at a moisture [-] and a temperature [K].
+
+        Raises
+        ------
+        ConfigError
+            If the melt is dry, a value is out of range, or the card lacks the constants, the
+            surface tension or the diffusivity.
+        """
+        constants = self._required("solution", self.solution)
+        nucleation = self.nucleation(moisture, temperature)
+        mixture = FloryHuggins(constants.interaction, self.density)
+        return HanHan(
+            tension=nucleation.tension,
+            temperature=temperature,
+            molecules=nucleation.molecules,
+            diffusivity=self.diffusivity(temperature),
+            solvent_fraction=float(mixture.volume_fraction(moisture)),
+            interaction=constants.interaction,
+            prefactor=constants.prefactor,
+            prefactor_temperature=constants.prefactor_temperature,
         )
 
     def residence(self, temperature: float) -> ResidenceCondition:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from functools import cache
 from importlib.machinery import PathFinder
 from types import ModuleType
@@ -17,21 +18,32 @@ __all__ = ["saturation_pressure"]
 
 Array = NDArray[np.float64]
 
+_COMPILED = "CoolProp.CoolProp"
+
 
 @cache
 def _properties() -> ModuleType:
     """Return CoolProp's compiled module without running its package's ``__init__``.
 
-    That one reads the equations of state of every fluid, two seconds; IF97 needs none of them.
+    That one reads the equations of state of every fluid, two seconds; IF97 needs none of them. The
+    module is entered under its own name, so that whoever imports the package later gets the same:
+    loaded twice, it aborts the interpreter.
     """
+    if _COMPILED in sys.modules:
+        return sys.modules[_COMPILED]
     package = importlib.util.find_spec("CoolProp")
     locations = package.submodule_search_locations if package else None
-    spec = PathFinder.find_spec("CoolProp.CoolProp", locations)
+    spec = PathFinder.find_spec(_COMPILED, locations) if locations else None
     if spec is None or spec.loader is None:
-        msg = "CoolProp is not installed: pip install coolprop"
+        msg = "the saturation pressure of water needs CoolProp: pip install coolprop"
         raise ImportError(msg)
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    sys.modules[_COMPILED] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[_COMPILED]
+        raise
     return module
 
 

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 HALVINGS = 60
 """Bisections of the logarithm of a fraction: an interval of a few tens ends below rounding."""
 
+SPINODAL_ROUNDING = 1e-7
+"""Distance from the pure solvent below which a spinodal is none: a double root, to rounding."""
+
 
 def log_activity(fraction: ArrayLike, interaction: float, molar_volume_ratio: float = 0.0) -> Array:
     """Return ``ln a_1`` of a solvent in a polymer [-].
@@ -167,7 +170,7 @@ class FloryHuggins:
         if chi <= 0.0 or discriminant <= 0.0:
             return 1.0
         spinodal = 2.0 / (middle + math.sqrt(discriminant))
-        if not 0.0 < spinodal < 1.0:
+        if not 0.0 < spinodal < 1.0 - SPINODAL_ROUNDING:
             return 1.0
         if log_activity(spinodal, chi, ratio) < 0.0:
             msg = (

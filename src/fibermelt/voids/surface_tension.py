@@ -229,7 +229,7 @@ def girifalco_good(
 
     References
     ----------
-    Girifalco and Good 1957, doi 10.1021/j150556a022.
+    Girifalco and Good, J. Phys. Chem. 61 (1957) 904.
     """
     checked_value("solid tension", solid_tension, "N/m", least=0.0)
     checked_value("liquid tension", liquid_tension, "N/m", above=0.0)

@@ -39,9 +39,9 @@ def wetting_factor(angle: ArrayLike) -> Array:
 def vapor_angle(factor: ArrayLike) -> Array:
     """Return the angle through the vapor [rad] of a wetting factor, the inverse of Eq. 37.
 
-    With ``c = cos phi`` Eq. 37 is ``c^3 - 3 c + 2 = 4 S``, whose root in [-1, 1] is
-    ``c = 2 cos((arccos(2 S - 1) + 4 pi)/3)``. With ``S = sin^2 beta`` and ``1 - c = 2 m`` that is
-    ``m = sin(2 beta/3 + pi/6) - 1/2``, written here as a product so that small angles keep digits.
+    With ``m = sin^2(phi/2)`` Eq. 37 is the cubic ``S = m^2 (3 - 2 m)``; with ``S = sin^2 beta`` its
+    root between 0 and 1 is ``m = sin(pi/6) - sin(pi/6 - 2 beta/3)``, written here as a product,
+    ``2 cos(beta/3 - pi/6) sin(beta/3)``, so that small angles keep their digits.
 
     Parameters
     ----------
@@ -55,6 +55,6 @@ def vapor_angle(factor: ArrayLike) -> Array:
     """
     S = checked_range("wetting factor", factor, (0.0, 1.0))
     third = np.arcsin(np.sqrt(S)) / 3.0
-    half_square = 2.0 * np.cos(third + np.pi / 6.0) * np.sin(third)
+    half_square = 2.0 * np.cos(third - np.pi / 6.0) * np.sin(third)
     angle: Array = 2.0 * np.arcsin(np.sqrt(np.minimum(half_square, 1.0)))
     return angle
