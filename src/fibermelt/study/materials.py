@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.material_values import (
@@ -45,12 +46,10 @@ from fibermelt.voids.vapor import ActivityLaw, Isotherm
 __all__ = ["Card", "Provenance", "load_card", "material_names"]
 
 _LONGEST_PATH = 200
-_RANGE_FAULTS = {
-    "greater_than": "gt",
-    "greater_than_equal": "ge",
-    "less_than": "lt",
-    "less_than_equal": "le",
-}
+_RANGE_FAULTS = dict(
+    zip(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), BOUNDS, strict=True)
+)
+"""What pydantic calls a broken bound, in the order of `BOUNDS`."""
 
 
 _NEEDED = ("melt.density", "melt.temperature", "melt.coldest", "melt.hottest")
@@ -165,8 +164,7 @@ def load_card(material: str) -> Card:
 
 def _read(material: str) -> dict[str, Any]:
     """Return the tables of a shipped card, or of a file."""
-    shown = legible(material, _LONGEST_PATH)
-    shipped = material_names()
+    shown, shipped = legible(material, _LONGEST_PATH), material_names()
     try:
         if material in shipped:
             file = files("fibermelt").joinpath("data", "materials", f"{material}.toml")
@@ -217,14 +215,12 @@ def _split(
 def _explain(error: ValidationError, values: Mapping[str, Any], where: str) -> str:
     """Return one line for each fault of a card."""
     known = {declaration.key: declaration for declaration in declarations(CardValues)}
-    return "\n".join(
-        f"{where}: {_line(fault['type'], fault, values, known)}" for fault in error.errors()
-    )
+    return "\n".join(f"{where}: {_line(fault, values, known)}" for fault in error.errors())
 
 
-def _line(
-    kind: str, fault: Mapping[str, Any], values: Mapping[str, Any], known: Mapping[str, Declaration]
-) -> str:
+def _line(fault: ErrorDetails, values: Mapping[str, Any], known: Mapping[str, Declaration]) -> str:
+    """Return what is wrong with one value, its bound and how to write it."""
+    kind = fault["type"]
     location = [str(part) for part in fault["loc"]]
     key = ".".join(location)
     if kind == "extra_forbidden":
