@@ -45,8 +45,9 @@ FIRST_STRENGTH = 3.0
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = math.log(3.0), math.log(10.0), 1e-3
 """Steps in the logarithm of the diffusion; below the last the branch has ended."""
 
-LARGEST_CORRECTION = 0.05
-"""Largest change of a component from prediction to state: more may be another branch."""
+LARGEST_CORRECTION, ALWAYS_FINE = 0.25, 1e-5
+"""Correction of a prediction over the predicted change, and what is small anyway: a branch that
+bends more within a step may have been left for another."""
 
 EASY = 3
 """Newton steps up to which the next step in the diffusion is made longer."""
@@ -121,13 +122,16 @@ class _Problem:
         """Return the root near ``v``, or None if `MOST_ITERATIONS` do not reach it."""
         for iteration in range(MOST_ITERATIONS + 1):
             a = unpack(v)
-            rate = model.rate(a, self.L, self.closure) / self.shear_rate
-            jacobian = model.jacobian(a, self.L, self.closure) / self.shear_rate
+            try:
+                rate = model.rate(a, self.L, self.closure) / self.shear_rate
+                jacobian = model.jacobian(a, self.L, self.closure) / self.shear_rate
+            except ConfigError:  # a closure that is defined for true tensors only
+                return None
             residual = float(np.max(np.abs(rate)))
             if residual <= tolerance:
                 return _Point(v, residual, iteration, jacobian)
             try:
-                correction: Array = np.linalg.solve(jacobian, pack(rate))
+                correction = _solved(jacobian, pack(rate))
             except np.linalg.LinAlgError:
                 return None
             v = v - correction
@@ -140,8 +144,7 @@ class _Problem:
         a = unpack(point.v)
         doubled = model.scaled(2.0).rate(a, self.L, self.closure)
         once = model.rate(a, self.L, self.closure)
-        slope: Array = -np.linalg.solve(point.jacobian, pack(doubled - once) / self.shear_rate)
-        return slope
+        return -_solved(point.jacobian, pack(doubled - once) / self.shear_rate)
 
 
 def steady_state(
@@ -224,7 +227,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
     model = target.scaled(math.exp(level))
     point = problem.newton(model, pack(isotropic()), tolerance)
     if point is None:
-        raise ConvergenceError(_no_branch(problem, model))
+        raise ConvergenceError(_no_branch(problem, model, pack(isotropic())))
     step, states = FIRST_STEP, 1
     while level > 0.0:
         lower = max(level - step, 0.0)
@@ -232,15 +235,25 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         trial = target.scaled(math.exp(lower)) if lower > 0.0 else target
         found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else RESIDUAL_TOLERANCE)
         states += 1
-        if found is None or np.max(np.abs(found.v - guess)) > LARGEST_CORRECTION:
+        if found is None or _strays(found.v, guess, point.v):
             step *= 0.5
             if step < SMALLEST_STEP:
-                raise ConvergenceError(_no_branch(problem, model))
+                raise ConvergenceError(_no_branch(problem, model, point.v))
             continue
         if found.iterations <= EASY:
             step = min(1.5 * step, LARGEST_STEP)
         model, point, level = trial, found, lower
     return point, states
+
+
+def _strays(found: Array, guess: Array, before: Array) -> bool:
+    """Return whether a state lies too far from its prediction to be on the same branch."""
+    bound = LARGEST_CORRECTION * np.max(np.abs(guess - before)) + ALWAYS_FINE
+    return bool(np.max(np.abs(found - guess)) > bound)
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
 
 
 def _described(
@@ -271,9 +284,10 @@ def _strength(model: OrientationModel) -> str:
     return f"C_I = {model.strength:.4g}"
 
 
-def _no_branch(problem: _Problem, reached: OrientationModel) -> str:
+def _no_branch(problem: _Problem, reached: OrientationModel, v: Array) -> str:
+    values = ", ".join(f"{value:.4g}" for value in principal(unpack(v))[0])
     return (
         f"steady state of {problem.model.name} with closure {problem.closure.name}: the branch of "
-        f"states from isotropy ends at {_strength(reached)}, before {_strength(problem.model)}: "
-        "take more interaction or another closure, or give start"
+        f"states from isotropy ends at {_strength(reached)} with eigenvalues {values}, before "
+        f"{_strength(problem.model)}: take more interaction or another closure, or give start"
     )
