@@ -247,7 +247,10 @@ class _Run:
         state = a
         for node, weights in zip(NODES[1:], STAGES[1:], strict=True):
             state = a + dt * _combined(weights, rates)
-            rates.append(self._rate(state, k, u + node * h))
+            try:
+                rates.append(self._rate(state, k, u + node * h))
+            except ConfigError:  # a stage left the tensors for which the closure is defined
+                return a, rate, np.full_like(a, np.inf)
         return state, rates[-1], dt * _combined(DIFFERENCE, rates)
 
     def _check_effort(self, time: float, before: int) -> None:

@@ -45,9 +45,13 @@ FIRST_STRENGTH = 3.0
 FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = math.log(3.0), math.log(10.0), 1e-3
 """Steps in the logarithm of the diffusion; below the last the branch has ended."""
 
-LARGEST_CORRECTION, ALWAYS_FINE = 0.25, 1e-5
+LARGEST_CORRECTION, ALWAYS_FINE = 0.2, 1e-5
 """Correction of a prediction over the predicted change, and what is small anyway: a branch that
 bends more within a step may have been left for another."""
+
+CROSSING_STEP = 0.02
+"""Largest step over which the number of growing changes may differ: where it differs over any
+step a real bifurcation has been crossed, where it does not another branch was found."""
 
 EASY = 3
 """Newton steps up to which the next step in the diffusion is made longer."""
@@ -235,7 +239,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         trial = target.scaled(math.exp(lower)) if lower > 0.0 else target
         found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else RESIDUAL_TOLERANCE)
         states += 1
-        if found is None or _strays(found.v, guess, point.v):
+        if found is None or _strays(found, point, guess, level - lower):
             step *= 0.5
             if step < SMALLEST_STEP:
                 raise ConvergenceError(_no_branch(problem, model, point.v))
@@ -246,10 +250,18 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
     return point, states
 
 
-def _strays(found: Array, guess: Array, before: Array) -> bool:
-    """Return whether a state lies too far from its prediction to be on the same branch."""
-    bound = LARGEST_CORRECTION * np.max(np.abs(guess - before)) + ALWAYS_FINE
-    return bool(np.max(np.abs(found - guess)) > bound)
+def _strays(found: _Point, before: _Point, guess: Array, step: float) -> bool:
+    """Return whether a state may lie on another branch than the one before."""
+    change = np.max(np.abs(unpack(guess) - unpack(before.v)))
+    correction = np.max(np.abs(unpack(found.v) - unpack(guess)))
+    if correction > LARGEST_CORRECTION * change + ALWAYS_FINE:
+        return True
+    return step > CROSSING_STEP and _growing(found) != _growing(before)
+
+
+def _growing(point: _Point) -> int:
+    """Return how many independent changes of a state grow."""
+    return int(np.count_nonzero(np.linalg.eigvals(point.jacobian).real > 0.0))
 
 
 def _solved(matrix: Array, right: Array) -> Array:
