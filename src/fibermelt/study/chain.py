@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 from fibermelt.study.claims import claims_in_words, summarize_claims
+from fibermelt.study.config import FROM_CONTENT
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
@@ -10,9 +14,20 @@ from fibermelt.study.flow_stages import (
     streamlines_stage,
     write_fields,
 )
+from fibermelt.study.interaction_stage import interaction_stage
+from fibermelt.study.orientation_stages import content_stage, orientation_stage, stall_stage
+from fibermelt.study.orientation_summary import (
+    interaction_in_words,
+    orientation_in_words,
+    summarize_interaction,
+    summarize_orientation,
+)
 from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
+
+if TYPE_CHECKING:
+    from fibermelt.study.parameters import Value
 
 __all__ = ["CHAIN"]
 
@@ -35,17 +50,47 @@ _MOTION_PARAMETERS = (
     "numerics.isotropic_angles",
 )
 
+_CONTENT_PARAMETERS = (
+    "fiber.aspect_ratio",
+    "interaction.volume_fraction",
+    "interaction.law",
+    "interaction.coefficient",
+    "interaction.closure",
+    "interaction.convention",
+)
+_ORIENTATION_PARAMETERS = (*_CONTENT_PARAMETERS, "interaction.start")
+
+
+def _from_content(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return what feeds the cell: its size may follow from the fiber content."""
+    return ("content",) if values["fiber.domain_size"] == FROM_CONTENT else ()
+
+
 CHAIN = Chain(
     stages=(
         Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
         ),
-        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
+        Stage("stall", 1, ("fiber.aspect_ratio",), (), stall_stage),
+        Stage("content", 1, _CONTENT_PARAMETERS, ("stall",), content_stage),
+        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage, inputs_if=_from_content),
         Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
+        Stage("orientation", 1, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage(
+            "interaction",
+            1,
+            ("fiber.aspect_ratio", "interaction.closure"),
+            ("stall",),
+            interaction_stage,
+        ),
     ),
     parts=(
         Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
+        Part("orientation", ("orientation",), summarize_orientation, orientation_in_words),
+        Part(
+            "interaction", ("content", "interaction"), summarize_interaction, interaction_in_words
+        ),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
     version=1,

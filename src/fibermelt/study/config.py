@@ -9,17 +9,31 @@ from pydantic import Field, model_validator
 
 from fibermelt.study.parameters import Section, quantity, setting
 
-__all__ = ["Config", "Fiber", "Flow", "Melt", "Numerics", "Sensitivity", "Streamlines", "What"]
+__all__ = [
+    "Config",
+    "Fiber",
+    "Flow",
+    "Interaction",
+    "Melt",
+    "Numerics",
+    "Sensitivity",
+    "Streamlines",
+    "What",
+]
 
 _INFERRED = "inferred: the paper prints no dimensions; these reproduce its stated results"
 _PAPER_2 = "the paper, section 2 (after Heller et al. and Wang et al.)"
 _PAPER_21 = "the paper, section 2.1 (after Heller et al. and Wang et al.)"
 _PAPER_25 = "the paper, section 2.5: M = 4.08, rounded to 4.0"
+_PAPER_25_ = "the paper, section 2.5"
 _PAPER_3 = "the paper, section 3"
 _TABLE_1 = "the paper, Table 1"
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
+
+FROM_CONTENT = "from-content"
+"""What a domain size is called that follows from the fiber content."""
 
 SHORTEST, LONGEST = 0.01, 100.0
 """Lengths of the nozzle and its gap over the capillary's width: beyond, no mesh resolves both."""
@@ -36,12 +50,20 @@ def _edge(default: float, doc: str) -> float:
     return edge
 
 
+PartName = Literal["bead", "orientation", "interaction", "orbits", "dimensions", "claims"]
+"""What can be asked for; the chain has a part of each name."""
+
+
 class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
-    parts: tuple[Literal["bead", "orbits", "dimensions", "claims"], ...] = setting(
+    parts: tuple[
+        Literal["bead", "orientation", "interaction", "orbits", "dimensions", "claims"], ...
+    ] = setting(
         ["bead"],
-        'What is computed. "bead": fibers along the streamlines of the deposition flow; "orbits": '
+        'What is computed. "bead": fibers along the streamlines of the deposition flow; '
+        '"orientation": orientation tensors along them; "interaction": from fiber content to the '
+        'size of the cell; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
         '"claims": whether the paper\'s claims hold in what the other parts found.',
     )
@@ -257,6 +279,33 @@ class Streamlines(Section):
     )
 
 
+class Interaction(Section):
+    """How fibers disturb one another: the suspension, and the law of its orientation."""
+
+    volume_fraction: float = quantity(
+        0.084, "", "Fiber content by volume.", gt=0, lt=1, source=f"{_PAPER_25_}, 13 % by weight"
+    )
+    law: Literal["bay", "phan-thien"] = setting(
+        "bay", "What content and aspect ratio say of the coefficient.", source=_PAPER_25_
+    )
+    coefficient: float | None = quantity(
+        None, "", "Interaction coefficient C_I; from the law if left out.", gt=0, example="0.0128"
+    )
+    closure: Literal[
+        "linear", "quadratic", "hybrid", "ORS", "ORF", "ORL", "ORW", "ORW3", "ORE", "IBOF", "exact"
+    ] = setting("ORE", "Closure of the fourth moment of the orientation.", source=_PAPER_25_)
+    convention: Literal["standard", "paper"] = setting(
+        "standard",
+        "Rate of deformation that multiplies the coefficient: sqrt(2 D:D), or sqrt(2) times that.",
+        source='"paper" is what the paper\'s Eq. 33 follows, not what its text says',
+    )
+    start: Literal["isotropic", "inlet"] = setting(
+        "isotropic",
+        "Orientation of the fibers that enter: every direction alike, or steady in the inlet's "
+        "flow.",
+    )
+
+
 class Sensitivity(Section):
     """One fiber in simple shear: what is varied, and the cell that it turns in."""
 
@@ -355,6 +404,7 @@ class Config(Section):
     melt: Melt = Field(default_factory=Melt)
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
+    interaction: Interaction = Field(default_factory=Interaction)
     sensitivity: Sensitivity = Field(default_factory=Sensitivity)
     numerics: Numerics = Field(default_factory=Numerics)
 

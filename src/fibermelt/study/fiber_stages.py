@@ -36,11 +36,14 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     if parameters["fiber.model"] == "confined-ellipse":
-        return _confined(fiber, parameters, say)
+        size = parameters["fiber.domain_size"]
+        if "content" in inputs:
+            size = float(inputs["content"]["content_domain_size"])
+        return _confined(fiber, size, parameters, say)
     return _unbounded(fiber, parameters["fiber.model"], say)
 
 
-def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
+def _confined(fiber: Ellipse, domain_size: float, parameters: Parameters, say: Say) -> xr.Dataset:
     """Solve the cell of a confined ellipse."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -53,7 +56,7 @@ def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
     else:
         order = parameters["numerics.cell_order"]
         numerics = CellNumerics(order=order, pressure_reference=reference)
-    solution = solve_cell(fiber, parameters["fiber.domain_size"], numerics)
+    solution = solve_cell(fiber, domain_size, numerics)
     say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
     stall_angle, error = solution.stall_angle, solution.error_estimate
     return labelled(
