@@ -192,11 +192,11 @@ def test_steady_state_turns_with_the_frame() -> None:
 
 def test_paper_interaction_takes_less_than_a_tenth_of_a_second() -> None:
     best = np.inf
-    for _ in range(3):
+    for _ in range(5):
         sphere_operators.cache_clear()  # the matrices included
-        start = time.perf_counter()
+        start = time.process_time()
         steady_distribution(SHEAR, XI_6, 0.0128)
-        best = min(best, time.perf_counter() - start)
+        best = min(best, time.process_time() - start)
     assert best < 0.1
 
 
