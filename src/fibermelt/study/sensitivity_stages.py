@@ -84,7 +84,7 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
 
     cases = orbit_cases(parameters)
     size = parameters["sensitivity.domain_size"]
-    # no estimate: it would double the cost of cells whose error is 1e-6 (the tests measure it)
+    # no estimate: it would double the cost of cells whose error is 2e-5 (the tests measure it)
     numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
     ratios = sorted({case.aspect_ratio for case in cases})
     cells, answers = {}, {}
