@@ -22,10 +22,8 @@ from fibermelt.fiber.tumbling import tumble, turn_times
 from fibermelt.history import simple_shear
 
 UNTIMED = settings(deadline=None, max_examples=20)  # a busy machine is no failure
-FEWER = settings(UNTIMED, max_examples=6)  # each tabulates a support function
 
 ROUNDING = 1e-12
-TABLE = 1e-8  # what the support function's table promises of pressures
 
 ratios = st.floats(1.0, 50.0)
 rates = st.floats(0.01, 100.0)
@@ -51,7 +49,7 @@ def test_a_turn_takes_jefferys_period(ratio: float, rate: float) -> None:
     assert time[[10, 20, 30]] == pytest.approx(time[-1] * np.array([0.25, 0.5, 0.75]), rel=1e-12)
 
 
-@FEWER
+@UNTIMED
 @given(ratios, rates, st.floats(-np.pi, np.pi))
 def test_the_turn_closes_and_is_jefferys(ratio: float, rate: float, start: float) -> None:
     response = unbounded_ellipse(Ellipse(1.0, ratio))
@@ -65,7 +63,7 @@ def test_the_turn_closes_and_is_jefferys(ratio: float, rate: float, start: float
     spin = 0.5 * rate * (response.shape_factor * np.cos(2.0 * expected) - 1.0)
     assert turn.spin == pytest.approx(spin, abs=2.0 * rate * closes)
     for values in (turn.lowest, turn.highest, turn.tip):
-        assert values[-1] == pytest.approx(values[0], abs=3.0 * rate * ratio * (TABLE + closes))
+        assert values[-1] == pytest.approx(values[0], abs=3.0 * rate * ratio * (ROUNDING + closes))
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 0.95, 0.999, 1.0, 1.001, 1.3])
@@ -119,7 +117,7 @@ def test_linear_in_viscosity_and_shear_rate(factor: float, rate: float, viscosit
     assert turn.angle == pytest.approx(unit.angle, abs=1e-10)
     for name in ("lowest", "highest", "tip"):
         scaled = getattr(unit, name) * rate * viscosity
-        assert getattr(turn, name) == pytest.approx(scaled, abs=1e-8 * rate * viscosity)
+        assert getattr(turn, name) == pytest.approx(scaled, abs=1e-9 * rate * viscosity)
     assert turn.spin == pytest.approx(unit.spin * rate, abs=1e-10 * rate)
 
 
@@ -132,14 +130,14 @@ def test_extremes_of_the_instants_miss_the_exact_ones_by_their_spacing(
     exact = orbit(response, 1.0, 817.0)
     turn = tumble(response, 1.0, 817.0, turn_times(response.shape_factor, 1.0, count))
     # h(phi) >= h_max cos(phi - phi_max), and twice half a step of the angle is a step of the phase
-    miss = 1.0 - np.cos(np.abs(np.diff(turn.angle)).max()) + TABLE
+    miss = 1.0 - np.cos(np.abs(np.diff(turn.angle)).max()) + ROUNDING
     for found, extreme in (
         (-turn.lowest.min(), -exact.min_pressure),
         (turn.highest.max(), exact.max_pressure),
         (-turn.tip.min(), -exact.tip_min),
         (turn.tip.max(), exact.tip_max),
     ):
-        assert (1.0 - miss) * extreme <= found <= extreme * (1.0 + TABLE)
+        assert (1.0 - miss) * extreme <= found <= extreme * (1.0 + ROUNDING)
 
 
 def test_both_steps_are_bounded() -> None:

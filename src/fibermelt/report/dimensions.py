@@ -152,7 +152,7 @@ def _minima(axes: Axes, results: xr.Dataset) -> None:
                 axes.plot(values.mean(), y, mark, mfc="white", mec=color, markersize=3.5, zorder=4)
     axes.set_yticks(ticks, labels)
     axes.set_ylim(min(ticks) - 0.6, 0.6)
-    axes.set_xlim(None, 0.0)
+    axes.set_xlim(None, -0.02 * axes.get_xlim()[0])
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x", color=BAND, linewidth=0.4)
     axes.set_xlabel(r"lowest $p - p_\psi$ [MPa]")

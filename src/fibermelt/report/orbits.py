@@ -124,19 +124,26 @@ def _period(turn: Turn) -> str:
 def motion_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_motion`."""
     ours, jeffery = _both(results)
-    fastest = float(np.abs(ours.spin).max()), float(np.abs(jeffery.spin).max())
+    if np.isnan(ours.period):
+        told = (
+            "Two panels of curves over time. The unbounded fiber falls by half a turn twice; the "
+            f"one in its cell comes to rest at {ours.angle[-1]:.1f}° to the flow."
+        )
+    else:
+        fastest = [float(np.abs(turn.spin).max()) for turn in (ours, jeffery)]
+        told = (
+            "Two panels of curves over time, one line for the cell and one unbounded. The angle "
+            "stays near the flow's direction most of the time and falls by half a turn twice; the "
+            f"spin reaches {fastest[0]:.3f} 1/s in the cell and {fastest[1]:.3f} 1/s unbounded, "
+            "clockwise."
+        )
     return Words(
         caption=(
             f"One turn of a fiber in simple shear, {_base(results)}: (a) its angle from the flow "
             f"and (b) its spin. Red: in {cell_name(results)}. Blue: Jeffery's closed form in an "
             f"unbounded melt. Full turn: {_period(ours)} in the cell, {_period(jeffery)} unbounded."
         ),
-        alt=(
-            "Two panels of curves over time, two nearly equal lines in each. The angle stays near "
-            "the flow's direction most of the time and falls by half a turn twice; the spin is "
-            f"nearly zero in between and reaches {fastest[0]:.2f} 1/s in the cell and "
-            f"{fastest[1]:.2f} 1/s unbounded, clockwise."
-        ),
+        alt=told,
     )
 
 
@@ -149,14 +156,15 @@ def pressures_words(results: xr.Dataset) -> Words:
         caption=(
             f"Pressure on a fiber over one turn in simple shear, {_base(results)}, less the far "
             "field's: (a) highest (continuous) and lowest (dashed) over the surface, (b) at the "
-            f"tips. Red: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest of all: "
-            f"{lowest[0]:.2f} kPa in the cell and {lowest[1]:.2f} kPa unbounded, with the fiber at "
-            f"{angle:.0f}° to the flow, on its way into the flow's direction."
+            f"tips. Red: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest over "
+            f"every orientation: {lowest[0]:.2f} kPa in the cell and {lowest[1]:.2f} kPa "
+            f"unbounded, with the fiber at {angle:.0f}° to the flow, from where it turns into the "
+            "flow's direction."
         ),
         alt=(
-            "Two panels of curves over time. Each time the fiber flips, first the highest pressure "
-            "peaks and then the lowest dips; at the tips the pressure rises and then falls to "
-            f"{lowest[0]:.1f} kPa in the cell, {lowest[1]:.1f} kPa unbounded. In between all "
-            "pressures are small."
+            "Two panels of curves over time. Each time a fiber flips, first the highest pressure "
+            "peaks and then the lowest dips; at the tips the pressure rises and then falls. Over "
+            f"every orientation the lowest is {lowest[0]:.1f} kPa in the cell, {lowest[1]:.1f} kPa "
+            "unbounded."
         ),
     )

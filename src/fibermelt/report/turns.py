@@ -148,4 +148,4 @@ def plain(axes: Axes) -> None:
 def cell_name(results: xr.Dataset) -> str:
     """Return what "ours" is, in words."""
     size = float(results["orbit_domain_size"])
-    return f"a converged cell of M = {size:g} (a circle of {0.5 * size:g} half-lengths)"
+    return f"a cell of M = {size:g} (a circle of {0.5 * size:g} half-lengths)"
