@@ -56,8 +56,8 @@ def near_field(
     numerics : CellNumerics
         What it was solved with.
     reach : float
-        Distance from the centre that the outermost ring lies at or beyond, over the half-length;
-        the cell's edge if that is nearer.
+        Distance from the centre, to 1e-3, that the outermost ring nowhere falls short of, over the
+        half-length; the cell's edge if that is nearer.
     rings, rays : int
         Size of the net, at least 2 and 16.
 

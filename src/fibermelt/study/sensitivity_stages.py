@@ -77,6 +77,7 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     """Follow single fibers over a turn in simple shear, confined and unbounded.
 
     One cell is solved for each distinct aspect ratio; rate and viscosity only scale the answer.
+    The paper's values of the viscosity (Fig. 13) are not in its text: a study chooses its own.
     """
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
     from fibermelt.fiber.jeffery import unbounded_ellipse  # noqa: PLC0415
