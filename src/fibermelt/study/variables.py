@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
 from fibermelt.study.orientation_variables import ORIENTATION_VARIABLES
+from fibermelt.study.sensitivity_variables import SENSITIVITY_VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -123,6 +124,7 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "angle of the fiber to the streamline at the zone",
     ),
     **ORIENTATION_VARIABLES,
+    **SENSITIVITY_VARIABLES,
 }
 """``{name: (dimensions, unit, long name)}``; a pure number has the unit 1."""
 
