@@ -10,12 +10,18 @@ written out in components: a million matrices take a third of a second.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Components", "Vector", "extreme_eigenpairs"]
+__all__ = ["Components", "Vector", "blocks", "extreme_eigenpairs"]
 
 Array = NDArray[np.float64]
+
+BLOCK = 1 << 13
+"""Matrices taken at a time: a few dozen arrays of this length stay in the cache."""
 
 Components = tuple[Array, Array, Array, Array, Array, Array]
 """``A_11, A_22, A_33, A_23, A_13, A_12`` of a symmetric matrix, arrays of one shape."""
@@ -63,6 +69,29 @@ def extreme_eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector
         (first[0], first[1], first[2]),
         (second[0], second[1], second[2]),
     )
+
+
+def blocks(shape: tuple[int, ...], size: int = BLOCK) -> Iterator[tuple[Any, ...]]:
+    """Yield indices that cut the leading axes of a shape into pieces of about ``size`` elements.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the arrays that are taken piece by piece.
+    size : int
+        Elements in a piece; the work on a piece should stay in the cache.
+    """
+    rest = int(np.prod(shape[1:]))
+    if rest * (shape[0] if shape else 1) <= size:
+        yield ()
+    elif rest <= size:
+        step = size // rest
+        for start in range(0, shape[0], step):
+            yield (slice(start, start + step),)
+    else:
+        for k in range(shape[0]):
+            for tail in blocks(shape[1:], size):
+                yield (k, *tail)
 
 
 def _null_vector(matrix: Components) -> Vector:
