@@ -25,7 +25,9 @@ _CELL_PARAMETERS = (
     "numerics.cell_order",
 )
 _MOTION_PARAMETERS = (
+    *_CELL_PARAMETERS,
     "melt.viscosity",
+    "fiber.path",
     "fiber.initial_angles",
     "fiber.directions",
     "fiber.direction_count",
