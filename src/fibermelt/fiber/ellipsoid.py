@@ -38,7 +38,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.fiber.checks import checked_gradient, checked_positive
+from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
 from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
 
@@ -161,9 +161,15 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradient of the far field in body axes [1/s].
         where : (..., 3) array_like
-            Eccentric vectors ``x_i/a_i`` of the points [-]; broadcast with the gradients.
+            Eccentric vectors ``x_i/a_i`` of the points [-], of length one; broadcast with the
+            gradients.
+
+        Raises
+        ------
+        HistoryError, ConfigError
+            If a gradient is not finite or has a trace; if a point is not on the surface.
         """
-        normal = np.asarray(where, dtype=np.float64) * (np.min(self.semi_axes) / self.semi_axes)
+        normal = checked_unit(where, "where") * (np.min(self.semi_axes) / self.semi_axes)
         normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
         stress = self.surface_stress(gradient)
         return np.asarray(-np.einsum("...i,...ij,...j->...", normal, stress, normal))

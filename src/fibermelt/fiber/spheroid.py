@@ -247,11 +247,14 @@ def embed_planar(gradient: ArrayLike) -> Array:
     ------
     ConfigError
         If the gradients are not 2 x 2.
+    HistoryError
+        If a gradient is not finite or has a trace.
     """
     L = np.asarray(gradient, dtype=np.float64)
     if L.shape[-2:] != (2, 2):
         msg = f"gradient has shape {L.shape}, expected (..., 2, 2)"
         raise ConfigError(msg)
+    checked_gradient(L, 2)
     embedded = np.zeros((*L.shape[:-2], 3, 3))
     embedded[..., :2, :2] = L
     return embedded
