@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import xarray as xr
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.study.loading import load_study
-from fibermelt.study.runner import Chain, run_study
+from fibermelt.study.parts import Chain, Part
+from fibermelt.study.runner import run_study
 from fibermelt.study.stages import Parameters, Stage
 
 UNITS = {"units": "m", "long_name": "a number that tells where it came from"}
@@ -40,8 +42,12 @@ def motion(parameters: Parameters, inputs: dict[str, xr.Dataset], say: object) -
     return scalar("extreme", float(inputs["flow"]["bead"] * inputs["cell"]["shape"]))
 
 
-def summarize(results: xr.Dataset, cost: dict[str, float]) -> dict[str, object]:
-    return {"extreme": float(results["extreme"]), "cost": dict(cost)}
+def summarize(results: xr.Dataset) -> dict[str, object]:
+    return {"extreme": float(results["extreme"])}
+
+
+def words(summary: Mapping[str, object]) -> list[str]:
+    return [f"extreme {summary['extreme']:g}"]
 
 
 def write_fields(results: xr.Dataset, folder: Path) -> None:
@@ -59,7 +65,7 @@ STAGES = (
     Stage("cell", 1, ("fiber.aspect_ratio",), (), cell),
     Stage("motion", 1, ("fiber.initial_angles",), ("flow", "cell"), motion),
 )
-CHAIN = Chain(STAGES, 1, summarize, write_fields)
+CHAIN = Chain(STAGES, (Part("bead", ("motion",), summarize, words, write_fields),), 1)
 
 
 class Notes:

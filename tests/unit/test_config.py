@@ -14,6 +14,8 @@ from fibermelt.study.parameters import declarations, flatten, quantity
 from fibermelt.study.toml import defaults_toml, resolved_toml, toml_value
 
 PAPER = load_study("paper").config
+AS_BY_DEFAULT = PAPER.model_copy(update={"study": resolve({}).study})
+"""The paper's study with the parts that a study has by default."""
 EVERY = list(declarations(Config))
 
 
@@ -35,7 +37,7 @@ def test_the_paper():
 
 
 def test_the_defaults_are_the_paper():
-    assert resolve({}) == PAPER
+    assert resolve({}) == AS_BY_DEFAULT
 
 
 def test_every_preset_is_valid():
@@ -159,6 +161,20 @@ ONE_LINE = [
         '[fiber]\npressure_reference = "a\\n\\u001b[31m"',
         r'^fiber\.pressure_reference = "a\\n\\x1b\[31m": must be',
     ),
+    (
+        '[study]\nparts = ["beat"]',
+        r'^study\.parts = \["beat"\]: each must be "bead" or "orbits" or',
+    ),
+    ('[study]\nparts = "bead"', r'^study\.parts = "bead": must be a list, such as \["bead"\]$'),
+    ("[study]\nparts = []", r'^study\.parts = \[\]: name at least one, such as \["bead"\]$'),
+    (
+        "[sensitivity]\naspect_ratios = [3, 0.5]",
+        r"^sensitivity\.aspect_ratios = \[3, 0\.5\]: item 2 = 0\.5: must be at least 1$",
+    ),
+    (
+        "[streamlines]\nfeatures = [4, 0]",
+        r"^streamlines\.features = \[4, 0\]: item 2 = 0: must be at least 1$",
+    ),
     ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),
 ]
 
@@ -200,7 +216,7 @@ def test_bounds_are_within():
 
 def test_the_range_of_a_parameter_is_its_tightest():
     (domain_size,) = (item for item in EVERY if item.key == "fiber.domain_size")
-    assert domain_size.range == "at least 2.01 and at most 200"
+    assert domain_size.range == 'at least 2.01 and at most 200 or "from-content"'
 
 
 def test_a_byte_order_mark_is_no_fault(tmp_path):
@@ -312,7 +328,7 @@ def test_defaults_are_a_study_with_every_key():
     written = {f"{section}.{key}" for section, table in tables.items() for key in table}
     optional = {item.key for item in EVERY if item.written is None}
     assert written | optional == {item.key for item in EVERY}
-    assert resolve(tables) == PAPER
+    assert resolve(tables) == AS_BY_DEFAULT
 
 
 @given(

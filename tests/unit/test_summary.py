@@ -5,10 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fibermelt.study.summary import in_words, summarize
+from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
+from fibermelt.study.parts import in_words
+from fibermelt.study.summary import bead_in_words, summarize_bead
 from fibermelt.study.variables import labelled
 
-COST = {"flow": 10.0, "streamlines": 2.0, "cell": 0.5, "motion": 1.0}
+
+def told(summary):
+    return "\n".join(bead_in_words(summary))
 
 
 def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
@@ -47,7 +52,7 @@ def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
 
 
 def test_statistics_run_over_the_initial_angles():
-    summary = summarize(results(), COST)
+    summary = summarize_bead(results())
     below = next(e for e in summary["extremes"] if (e["location"], e["kind"]) == (2, "min"))
     assert (below["mean"], below["median"]) == (-6.0, -4.0)
     assert (below["lowest"], below["highest"]) == (-12.0, -2.0)
@@ -55,22 +60,24 @@ def test_statistics_run_over_the_initial_angles():
 
 
 def test_the_cost_of_streamlines_counts_as_flow():
-    assert summarize(results(), COST)["cost"] == {"flow": 12.0, "cell": 0.5, "motion": 1.0}
+    headings = {stage.name: stage.heading for stage in CHAIN.stages}
+    assert headings["streamlines"] == headings["flow"] == "flow"
+    assert headings["motion"] == "motion"
 
 
 def test_the_summary_is_json():
-    summary = summarize(results(), COST)
+    summary = summarize_bead(results())
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
     assert summary["streamlines"][0]["near_singularity"] is True
 
 
 def test_a_fiber_that_tumbles_has_no_stall_angle():
-    summary = summarize(results(stall_angle=math.nan), COST)
+    summary = summarize_bead(results(stall_angle=math.nan))
     assert summary["cell"]["stall_angle"] is None
 
 
 def test_orientation_of_angles_that_agree():
-    found = summarize(results(), COST)["orientation"][0]
+    found = summarize_bead(results())["orientation"][0]
     assert found["mean"] == pytest.approx(0.2, abs=1e-15)
     assert found["lowest"] == pytest.approx(0.1, abs=1e-15)
     assert found["highest"] == pytest.approx(0.3, abs=1e-15)
@@ -79,16 +86,16 @@ def test_orientation_of_angles_that_agree():
 def test_a_fiber_has_no_head():
     """Fibers that lie across the stream, at 85, 90 and -85 degrees, are ten degrees apart."""
     across = [math.radians(angle) for angle in (85, 90, -85)]
-    found = summarize(results(zone_angle=across), COST)["orientation"][0]
+    found = summarize_bead(results(zone_angle=across))["orientation"][0]
     assert math.degrees(found["highest"] - found["lowest"]) == pytest.approx(10, abs=1e-9)
     assert abs(math.degrees(found["mean"])) == pytest.approx(90, abs=1e-9)
 
 
 def test_in_words_says_where_to_look(tmp_path):
-    summary = summarize(results(), COST)
-    summary["cost"] |= {"figures": 0.0, "total": 20.0}
-    text = in_words(summary, tmp_path)
-    assert str(tmp_path) in text
+    summary = {**summarize_bead(results()), "cost": {"flow": 12.0, "total": 20.0}}
+    text = in_words(summary, CHAIN, load_study("paper", ['study.parts=["bead"]']), tmp_path)
+    assert f"results         {tmp_path}" in text
+    assert "cost            flow 12.0 s, total 20.0 s" in text
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
     assert "lowest in the nozzle" not in text
@@ -97,7 +104,7 @@ def test_in_words_says_where_to_look(tmp_path):
 
 def paper_like(lowest, flagged):
     """A summary of one streamline for each of some lowest pressures [MPa], some flagged."""
-    summary = summarize(results(), COST)
+    summary = summarize_bead(results())
     line, extreme = summary["streamlines"][0], summary["extremes"]
     summary["streamlines"] = [
         {**line, "index": k, "near_singularity": k in flagged} for k in range(1, len(lowest) + 1)
@@ -110,24 +117,26 @@ def paper_like(lowest, flagged):
     return summary
 
 
-def test_streamlines_past_a_singular_corner_do_not_count(tmp_path):
-    text = in_words(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}), tmp_path)
+def test_streamlines_past_a_singular_corner_do_not_count():
+    text = told(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}))
     assert text.count("3.000 MPa below the melt's own pressure, on streamline 3") == 2
     assert "streamlines 1, 4 pass a singular corner and are left out (2 of 4)" in text
 
 
-def test_nothing_is_said_of_corners_that_none_passes(tmp_path):
-    text = in_words(paper_like([9.0, 2.0], set()), tmp_path)
+def test_nothing_is_said_of_corners_that_none_passes():
+    text = told(paper_like([9.0, 2.0], set()))
     assert text.count("9.000 MPa below") == 2
     assert "left out" not in text
 
 
-def test_many_flagged_streamlines_fit_on_a_line(tmp_path):
-    text = in_words(paper_like([1.0] * 500, set(range(2, 500))), tmp_path)
+def test_many_flagged_streamlines_fit_on_a_line():
+    text = told(paper_like([1.0] * 500, set(range(2, 500))))
     assert "streamlines 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, ... pass" in text
     assert "(498 of 500)" in text
-    assert "streamline 2 passes a singular" in in_words(paper_like([1.0, 1.0], {2}), tmp_path)
+    assert "streamline 2 passes a singular" in told(paper_like([1.0, 1.0], {2}))
 
 
-def test_the_results_folder_is_told_on_one_line(tmp_path):
-    assert r"results         a\nb" in in_words(paper_like([1.0], set()), Path("a\nb"))
+def test_the_results_folder_is_told_on_one_line():
+    summary = {**paper_like([1.0], set()), "cost": {}}
+    study = load_study("paper", ['study.parts=["bead"]'])
+    assert r"results         a\nb" in in_words(summary, CHAIN, study, Path("a\nb"))

@@ -42,12 +42,15 @@ class Plate:
         From the results to the figure.
     words : callable
         From the results to caption and alternative text.
+    needs : str
+        A variable that only the results of its part of a study have.
     """
 
     name: str
     title: str
     draw: Callable[[xr.Dataset], Figure]
     words: Callable[[xr.Dataset], Words]
+    needs: str = "extreme"
 
 
 FIGURES = (
@@ -64,7 +67,7 @@ FIGURES = (
 
 
 def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
-    """Draw every figure as SVG and PNG and return the paths.
+    """Draw every figure that the results are enough for, as SVG and PNG, and return the paths.
 
     Parameters
     ----------
@@ -75,6 +78,8 @@ def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
     """
     written = []
     for plate in FIGURES:
+        if plate.needs not in results:
+            continue
         words = plate.words(results)
         written += save(plate.draw(results), directory / plate.name, plate.title, words)
     return written

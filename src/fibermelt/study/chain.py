@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fibermelt.study.claims import claims_in_words, summarize_claims
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
@@ -9,9 +10,9 @@ from fibermelt.study.flow_stages import (
     streamlines_stage,
     write_fields,
 )
-from fibermelt.study.runner import Chain
+from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Stage
-from fibermelt.study.summary import summarize
+from fibermelt.study.summary import bead_in_words, summarize_bead
 
 __all__ = ["CHAIN"]
 
@@ -24,6 +25,7 @@ _CELL_PARAMETERS = (
     "numerics.cell_mesh",
     "numerics.cell_order",
 )
+_STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
     "melt.viscosity",
@@ -38,12 +40,16 @@ _MOTION_PARAMETERS = (
 CHAIN = Chain(
     stages=(
         Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
-        Stage("streamlines", 1, ("flow", "melt", "streamlines"), ("flow",), streamlines_stage),
+        Stage(
+            "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
+        ),
         Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
         Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
     ),
+    parts=(
+        Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
+        Part("claims", (), summarize_claims, claims_in_words),
+    ),
     version=1,
-    summarize=summarize,
-    write_fields=write_fields,
 )
-"""What `fibermelt run` goes through."""
+"""What `fibermelt run` goes through, as far as a study asks for it."""

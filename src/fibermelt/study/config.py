@@ -9,13 +9,14 @@ from pydantic import Field, model_validator
 
 from fibermelt.study.parameters import Section, quantity, setting
 
-__all__ = ["Config", "Fiber", "Flow", "Melt", "Numerics", "Streamlines"]
+__all__ = ["Config", "Fiber", "Flow", "Melt", "Numerics", "Sensitivity", "Streamlines", "What"]
 
 _INFERRED = "inferred: the paper prints no dimensions; these reproduce its stated results"
 _PAPER_2 = "the paper, section 2 (after Heller et al. and Wang et al.)"
 _PAPER_21 = "the paper, section 2.1 (after Heller et al. and Wang et al.)"
 _PAPER_25 = "the paper, section 2.5: M = 4.08, rounded to 4.0"
 _PAPER_3 = "the paper, section 3"
+_TABLE_1 = "the paper, Table 1"
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
@@ -33,6 +34,25 @@ def _edge(default: float, doc: str) -> float:
     """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
     edge: float = quantity(default, "", f"{doc}, over the capillary's width.", ge=1e-6, le=0.5)
     return edge
+
+
+class What(Section):
+    """What is computed: a study can be of a bead, of a single fiber, or of both."""
+
+    parts: tuple[Literal["bead", "orbits", "dimensions", "claims"], ...] = setting(
+        ["bead"],
+        'What is computed. "bead": fibers along the streamlines of the deposition flow; "orbits": '
+        'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
+        '"claims": whether the paper\'s claims hold in what the other parts found.',
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        """Refuse a study of nothing."""
+        if not self.parts:
+            msg = 'study.parts = []: name at least one, such as ["bead"]'
+            raise ValueError(msg)
+        return self
 
 
 class Flow(Section):
@@ -157,10 +177,12 @@ class Fiber(Section):
         "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
         source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
     )
-    domain_size: float = quantity(
+    domain_size: float | Literal["from-content"] = quantity(
         4.0,
         "",
-        "Domain-size factor M: the cell's radius is M / 2 half-lengths. Confined ellipse only.",
+        "Domain-size factor M: the cell's radius is M / 2 half-lengths. From content: so that the "
+        "fiber stalls at the preferred angle of its suspension. Confined ellipse only.",
+        words=("from-content",),
         gt=2,
         ge=2.01,
         le=200,
@@ -244,6 +266,50 @@ class Streamlines(Section):
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
     points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
+    features: tuple[int, ...] = setting(
+        [4, 10, 18],
+        "Streamlines that are looked at one by one; those beyond count are left out.",
+        ge=1,
+        le=1000,
+        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+    )
+
+
+class Sensitivity(Section):
+    """One fiber in simple shear: what is varied, and the cell that it turns in."""
+
+    aspect_ratios: tuple[float, ...] = quantity(
+        [1.0, 3.0, 6.0, 8.0, 10.0], "", "Aspect ratios.", ge=1, le=50, source=_TABLE_1
+    )
+    shear_rates: tuple[float, ...] = quantity(
+        ["0.25 1/s", "0.5 1/s", "1 1/s", "2 1/s", "5 1/s"],
+        "1/s",
+        "Shear rates.",
+        gt=0,
+        source=_TABLE_1,
+    )
+    viscosities: tuple[float, ...] = quantity(
+        ["200 Pa s", "400 Pa s", "817 Pa s", "1600 Pa s"],
+        "Pa s",
+        "Viscosities.",
+        ge=1e-6,
+        le=1e12,
+        source="chosen: the paper varies the viscosity but states no values in its text",
+    )
+    shear_rate: float = quantity(
+        "1 1/s", "1/s", "Shear rate while something else is varied.", gt=0, source=_TABLE_1
+    )
+    domain_size: float = quantity(
+        28.0,
+        "",
+        "Domain-size factor M of the cell that the fiber turns in.",
+        gt=2,
+        ge=2.01,
+        le=200,
+        source="chosen: gives the periods of the paper's finite elements (Table 1) at aspect "
+        "ratios of 6, 8 and 10 within 0.2 %; the paper does not state its own",
+        hints={"gt": "the fiber would be larger than its cell", "ge": _VERIFIED, "le": _VERIFIED},
+    )
 
 
 class Numerics(Section):
@@ -302,10 +368,12 @@ class Numerics(Section):
 class Config(Section):
     """A study: what `fibermelt run` is given, resolved."""
 
+    study: What = Field(default_factory=What)
     flow: Flow = Field(default_factory=Flow)
     melt: Melt = Field(default_factory=Melt)
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
+    sensitivity: Sensitivity = Field(default_factory=Sensitivity)
     numerics: Numerics = Field(default_factory=Numerics)
 
     @model_validator(mode="after")
@@ -318,8 +386,10 @@ class Config(Section):
                 f"the capillary, flow.capillary_width = {width:g} m; shorten the fiber"
             )
             raise ValueError(msg)
+        if self.fiber.model != "confined-ellipse" or self.fiber.domain_size == "from-content":
+            return self
         cell = self.fiber.domain_size * half_length
-        if self.fiber.model == "confined-ellipse" and cell >= width:
+        if cell >= width:
             msg = (
                 f"fiber.half_length = {half_length:g} m is too long: its cell is {cell:g} m "
                 f"across (fiber.domain_size = {self.fiber.domain_size:g} half-lengths), "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
@@ -18,7 +18,7 @@ from fibermelt.study.config import Config
 from fibermelt.study.messages import explain
 from fibermelt.study.parameters import excerpt
 
-__all__ = ["Study", "load_study", "preset_names", "replaces_another", "resolve"]
+__all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
 _LONGEST_PATH = 200
 _DEEPEST_KEY = 10
@@ -27,12 +27,30 @@ _DEEPEST_KEY = 10
 
 @dataclass(frozen=True)
 class Study:
-    """A study that can be run: its name, where it came from, and its resolved parameters."""
+    """A study that can be run.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    origin : str
+        Where it came from, in words.
+    config : Config
+        Its resolved parameters.
+    path : Path, optional
+        The file that it was read from.
+    tables : dict
+        Its tables as written, presets and overrides included.
+    sweep : dict, optional
+        Its table ``[sweep]``, as written.
+    """
 
     name: str
     origin: str
     config: Config
     path: Path | None = None
+    tables: Mapping[str, Any] = field(default_factory=dict)
+    sweep: Mapping[str, Any] | None = None
 
 
 def preset_names() -> list[str]:
@@ -61,19 +79,29 @@ def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
     file = path if _is_study_file(path, study) else None
     name, tables = (path.stem, _read(path)) if file else (study, _preset(study))
     origin = path.name if file else f"preset {name}"
-    tables = _merged(tables, _overriding(overrides))
+    tables = merged(tables, _overriding(overrides))
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
             msg = (
                 f'preset = {excerpt(preset)}: must be the name of a shipped study, such as "paper"'
             )
             raise ConfigError(msg)
-        tables = _merged(_preset(preset), tables)
+        tables = merged(_preset(preset), tables)
         origin += f", preset {preset}"
     if overrides:
         origin += ", with " + ", ".join(overrides)
-    config = resolve(tables)
-    return Study(name=name, origin=legible(origin, len(origin)), config=config, path=file)
+    sweep = tables.pop("sweep", None)
+    if sweep is not None and not isinstance(sweep, Mapping):
+        msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
+        raise ConfigError(msg)
+    return Study(
+        name=name,
+        origin=legible(origin, len(origin)),
+        config=resolve(tables),
+        path=file,
+        tables=tables,
+        sweep=sweep,
+    )
 
 
 def replaces_another(folder: Path, config: Config) -> bool:
@@ -181,16 +209,16 @@ def _preset(name: str) -> dict[str, Any]:
     return _parsed(source.read_text(encoding="utf-8"), f"preset {name}")
 
 
-def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """Return ``base`` with the keys of ``over``, table by table."""
-    merged = dict(base)
+    both = dict(base)
     for key, value in over.items():
-        below = merged.get(key)
+        below = both.get(key)
         if isinstance(below, Mapping) and isinstance(value, Mapping):
-            merged[key] = _merged(below, value)
+            both[key] = merged(below, value)
         else:
-            merged[key] = value
-    return merged
+            both[key] = value
+    return both
 
 
 def _overriding(overrides: Sequence[str]) -> dict[str, Any]:
@@ -205,7 +233,7 @@ def _overriding(overrides: Sequence[str]) -> dict[str, Any]:
         nested: Any = _override_value(text.strip(), f"-s {legible(key.strip())}")
         for part in reversed(path):
             nested = {part: nested}
-        tables = _merged(tables, nested)
+        tables = merged(tables, nested)
     return tables
 
 

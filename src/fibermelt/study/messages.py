@@ -15,7 +15,7 @@ from fibermelt.study.config import Config
 from fibermelt.study.parameters import BOUNDS, Declaration, declarations, excerpt
 from fibermelt.study.toml import toml_value
 
-__all__ = ["explain"]
+__all__ = ["explain", "unknown_key"]
 
 _RANGE_FAULTS = {
     "greater_than": "gt",
@@ -44,7 +44,7 @@ def _line(fault: ErrorDetails, tables: Mapping[str, Any], known: Mapping[str, De
     location = [part for part in fault["loc"] if isinstance(part, str)]
     key = ".".join(location)
     if fault["type"] == "extra_forbidden":
-        return _unknown(key, known)
+        return unknown_key(key, known)
     if key not in known:
         if fault["type"] == "value_error":
             return str(fault["ctx"]["error"])
@@ -66,7 +66,8 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
         wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
         return f"{fault['ctx']['error']}{wanted}"
     if kind == "literal_error":
-        return f"must be {declaration.range}"
+        each = "each must be " if declaration.is_list else "must be "
+        return each + declaration.range.removeprefix("each ")
     if kind.startswith("tuple_"):
         return f"must be a list, such as [{toml_value(declaration.example)}]"
     wanted = next(
@@ -75,7 +76,7 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
     return f"must be {wanted}{', ' if declaration.range else ''}{declaration.range}{example}"
 
 
-def _unknown(key: str, known: Mapping[str, Declaration]) -> str:
+def unknown_key(key: str, known: Mapping[str, Declaration]) -> str:
     """Return the nearest valid key to one that is not: by the whole path, or by its last part."""
     sections = {name.rpartition(".")[0] for name in known}
     by_leaf = {name.rpartition(".")[2]: name for name in known}

@@ -6,7 +6,8 @@ resolved copy in the results folder and the reference in the documentation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import operator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -27,7 +28,7 @@ __all__ = [
     "setting",
 ]
 
-Value = float | int | str | bool | tuple[float, ...] | None
+Value = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
 """What a parameter can be once resolved."""
 
 BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
@@ -35,13 +36,14 @@ BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
 def quantity(
-    default: str | float | list[str] | None,
+    default: str | float | list[str] | list[float] | None,
     unit: str,
     doc: str,
     *,
     source: str = "",
     example: str = "",
     hints: dict[str, str] | None = None,
+    words: tuple[str, ...] = (),
     **bounds: float,
 ) -> Any:
     """Declare a physical quantity: a float in SI, or a tuple of them.
@@ -60,11 +62,16 @@ def quantity(
         How to write it, for error messages; the default where that is a text.
     hints : dict of str, optional
         What a value beyond a bound would mean, by the name of the bound, for error messages.
+    words : tuple of str
+        Texts that may stand in its place.
     **bounds : float
-        ``gt``, ``ge``, ``lt``, ``le`` [unit]. Of two bounds on one side a value is told the
-        looser that it breaks: ``gt`` may say what makes no sense, ``ge`` what is not verified.
+        ``gt``, ``ge``, ``lt``, ``le`` [unit]; of a list, those of its items. Of two bounds on one
+        side a value is told the looser that it breaks: ``gt`` may say what makes no sense, ``ge``
+        what is not verified.
     """
     written = default[0] if isinstance(default, list) else default
+    # pydantic bounds numbers only, not what may be a list of them or a word.
+    own = isinstance(default, list) or bool(words)
     return Field(
         default=_resolved(default, unit),
         description=doc,
@@ -76,38 +83,43 @@ def quantity(
             "source": source,
             "hints": {**(hints or {})},
             "example": example or (written if isinstance(written, str) else ""),
+            "bounds": _checked(bounds) if own else {},
+            "words": list(words),
         },
-        **_checked(bounds),
+        **({} if own else _checked(bounds)),
     )
 
 
 def setting(
-    default: str | int | bool | None,
+    default: str | int | bool | list[str] | list[int] | None,
     doc: str,
     *,
     source: str = "",
     hints: dict[str, str] | None = None,
     **bounds: float,
 ) -> Any:
-    """Declare what has no unit: a count, an order, a choice (a ``Literal`` type) or a flag.
+    """Declare what has no unit: a count, an order, a choice (a ``Literal`` type), a flag, a list.
 
     Parameters
     ----------
     default, doc, source, hints, **bounds
         As in `quantity`.
     """
+    is_list = isinstance(default, list)
     return Field(
-        default=default,
+        default=tuple(default) if isinstance(default, list) else default,
         description=doc,
         json_schema_extra={
             "quantity": False,
             "unit": "",
-            "written": default,
+            "written": list(default) if isinstance(default, list) else default,
             "source": source,
             "hints": {**(hints or {})},
-            "example": "",
+            "example": default[0] if isinstance(default, list) else "",
+            "bounds": _checked(bounds) if is_list else {},
+            "words": [],
         },
-        **_checked(bounds),
+        **({} if is_list else _checked(bounds)),
     )
 
 
@@ -134,23 +146,44 @@ class Section(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _units(cls, value: object, info: ValidationInfo) -> object:
-        """Resolve the units of a quantity; everything else goes on as it is."""
+        """Resolve the units of a quantity; a list in TOML is a tuple here."""
         extra = _extra(cls.model_fields[str(info.field_name)])
-        if not extra.get("quantity"):
+        if isinstance(value, (list, tuple)):
+            items = tuple(value)
+            if extra.get("quantity"):
+                items = tuple(
+                    _resolved_for_pydantic(item, extra, i) for i, item in enumerate(items, 1)
+                )
+            for i, item in enumerate(items, 1):
+                _refuse_beyond(item, extra, f"item {i} = {excerpt(item)} {extra['unit']}".rstrip())
+            return items
+        if not extra.get("quantity") or value in extra["words"]:
             return value
-        unit = str(extra["unit"])
-        if not isinstance(value, (list, tuple)):
-            return _resolved_for_pydantic(value, unit)
-        return tuple(_resolved_for_pydantic(item, unit, i) for i, item in enumerate(value, 1))
+        number = _resolved_for_pydantic(value, extra)
+        _refuse_beyond(number, extra)
+        return number
 
 
-def _resolved_for_pydantic(value: object, unit: str, item: int = 0) -> object:
+_HOLDS = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
+
+
+def _refuse_beyond(value: object, extra: Mapping[str, Any], which: str = "") -> None:
+    """Refuse a number that is out of a range which pydantic does not check."""
+    for name, bound in extra.get("bounds", {}).items():
+        if isinstance(value, (int, float)) and not _HOLDS[name](value, bound):
+            hint = f" ({extra['hints'][name]})" if name in extra["hints"] else ""
+            limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip() + hint
+            raise ValueError(f"{which}: {limit}" if which else limit)
+
+
+def _resolved_for_pydantic(value: object, extra: Mapping[str, Any], item: int = 0) -> object:
     """Resolve units; pydantic collects ValueErrors, and stops at anything else."""
     try:
         # An item is one number: a list in a list is refused here, however deep it goes.
-        return parse(value, unit) if value is not None else None
+        return parse(value, str(extra["unit"])) if value is not None else None
     except ConfigError as error:
         msg = f'item {item} = "{excerpt(value)}" {error}' if item else str(error)
+        msg += "".join(f'; or write "{word}"' for word in extra["words"])
         raise ValueError(msg) from error
 
 
@@ -173,24 +206,29 @@ class Declaration:
     key: str
     unit: str
     default: Value
-    written: str | float | list[str] | None
+    written: str | float | list[str] | list[float] | list[int] | None
     doc: str
     source: str
     hints: dict[str, str]
-    example: str
+    example: str | int
     bounds: tuple[tuple[str, float], ...]
+    words: tuple[str, ...]
     choices: tuple[str, ...]
+    is_list: bool
 
     @property
     def range(self) -> str:
         """Return the admissible range in words: ``above 0 m`` or ``"mean" or "far-node"``."""
+        each = "each " if self.is_list else ""
         if self.choices:
-            return " or ".join(f'"{choice}"' for choice in self.choices)
-        return " and ".join(
+            return each + " or ".join(f'"{choice}"' for choice in self.choices)
+        words = " and ".join(
             f"{BOUNDS[name]} {bound:g} {self.unit}".rstrip()
             for name, bound in self.bounds
             if not (name == "gt" and "ge" in dict(self.bounds))
         )
+        instead = "".join(f' or "{word}"' for word in self.words)
+        return each + words + instead if words else ""
 
 
 def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declaration]:
@@ -201,7 +239,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             yield from declarations(field.annotation, f"{key}.")
             continue
         extra = _extra(field)
-        is_choice = get_origin(field.annotation) is Literal
+        is_list = get_origin(field.annotation) is tuple
+        item = get_args(field.annotation)[0] if is_list else field.annotation
         yield Declaration(
             key=key,
             unit=extra["unit"],
@@ -211,13 +250,16 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             source=extra["source"],
             hints=extra["hints"],
             example=extra["example"],
-            bounds=tuple(
+            bounds=tuple(extra["bounds"].items())
+            or tuple(
                 (name, float(getattr(constraint, name)))
                 for constraint in field.metadata
                 for name in BOUNDS
                 if hasattr(constraint, name)
             ),
-            choices=tuple(map(str, get_args(field.annotation))) if is_choice else (),
+            words=tuple(extra["words"]),
+            choices=tuple(map(str, get_args(item))) if get_origin(item) is Literal else (),
+            is_list=is_list,
         )
 
 

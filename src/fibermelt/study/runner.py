@@ -15,6 +15,7 @@ from fibermelt.errors import legible
 from fibermelt.study.files import canonical, digest, write_through
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import flatten
+from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.stages import Stage, keys, stage_parameters
@@ -26,36 +27,13 @@ if TYPE_CHECKING:
 
     from fibermelt.study.loading import Study
 
-__all__ = ["Chain", "DrawFigures", "run_study"]
+__all__ = ["DrawFigures", "run_study"]
 
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
 
 SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib")
 """Packages whose versions are recorded beside the numbers."""
-
-
-@dataclass(frozen=True)
-class Chain:
-    """The stages of a study, and what is made of them when they are done.
-
-    Parameters
-    ----------
-    stages : tuple of Stage
-        Inputs before those who need them.
-    version : int
-        Raised whenever the same stages give other files on show.
-    summarize : callable
-        From the results and the cost of each stage [s] to the content of summary.json, but for
-        its ``"schema"`` and the cost of figures and of the whole.
-    write_fields : callable
-        Writes the fields (flow.vtu) of the results into a folder.
-    """
-
-    stages: tuple[Stage, ...]
-    version: int
-    summarize: Callable[[xr.Dataset, Mapping[str, float]], dict[str, Any]]
-    write_fields: Callable[[xr.Dataset, Path], None]
 
 
 def run_study(
@@ -117,7 +95,8 @@ class _Run:
 
     def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
         values = flatten(self.study.config)
-        stage_keys = keys(self.chain.stages, values)
+        stages = self.chain.needed(self.study.config.study.parts, values)
+        stage_keys = keys(stages, values)
         key = self._key(stage_keys)
         found: dict[str, Record | None] = {
             name: None if fresh else store.find(name, stage_key)
@@ -129,7 +108,7 @@ class _Run:
             return summary
         data: dict[str, xr.Dataset] = {}
         cost: dict[str, float] = {}
-        for stage in self.chain.stages:
+        for stage in stages:
             record = found[stage.name]
             if record is not None:
                 data[stage.name] = store.load(record)
@@ -138,18 +117,19 @@ class _Run:
                 record, data[stage.name] = self._compute(stage, stage_keys, data)
                 record = store.save(record, data[stage.name], replace=fresh)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
-            cost[stage.name] = record.cost
+            cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
 
     def _compute(
         self, stage: Stage, stage_keys: Mapping[str, str], data: Mapping[str, xr.Dataset]
     ) -> tuple[Record, xr.Dataset]:
-        parameters = stage_parameters(stage, flatten(self.study.config))
+        values = flatten(self.study.config)
+        parameters, fed = stage_parameters(stage, values), stage.fed(values)
         start = time.perf_counter()
         self.observer.step(stage.name, "started")
         dataset = stage.compute(
             parameters,
-            {name: data[name] for name in stage.inputs},
+            {name: data[name] for name in fed},
             lambda line: self.observer.step(stage.name, line),
         )
         record = Record(
@@ -157,7 +137,7 @@ class _Run:
             version=stage.version,
             key=stage_keys[stage.name],
             parameters=dict(parameters),
-            inputs={name: stage_keys[name] for name in stage.inputs},
+            inputs={name: stage_keys[name] for name in fed},
             cost=time.perf_counter() - start,
             data="",
             software=_software(),
@@ -167,6 +147,7 @@ class _Run:
     def _key(self, stage_keys: Mapping[str, str]) -> str:
         """Return the hash of all that the files on show depend on."""
         content = {
+            "parts": sorted(self.study.config.study.parts),
             "stages": dict(stage_keys),
             "version": self.chain.version,
             "fibermelt": version("fibermelt"),
@@ -194,12 +175,17 @@ class _Run:
             "config": config,
             "software": json.dumps(_software()),
         }
-        summary = {"schema": SCHEMA, **self.chain.summarize(results, cost)}
+        parts = self.chain.asked(self.study.config.study.parts)
+        summary: dict[str, Any] = {"schema": SCHEMA}
+        for part in parts:
+            summary |= part.summarize(results)
+        summary["cost"] = dict(cost)
 
         def write(folder: Path) -> None:
             write_through(folder / "config.toml", config.encode())
             write_through(folder / "results.nc", to_bytes(results))
-            self.chain.write_fields(results, folder)
+            for part in parts:
+                part.write_fields(results, folder)
             start = time.perf_counter()
             (folder / "figures").mkdir()
             if self.draw is not None:

@@ -60,6 +60,11 @@ Compute = Callable[[Parameters, Inputs, Say], "xr.Dataset"]
 """From parameters and the data of the inputs to data."""
 
 
+def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return no stage: most have the same inputs in every study."""
+    return ()
+
+
 @dataclass(frozen=True)
 class Stage:
     """One step of the chain: data from parameters and from the data of other stages.
@@ -76,6 +81,10 @@ class Stage:
         Names of the stages that it is fed; they come before it in the chain.
     compute : callable
         Does it.
+    told_with : str
+        Another stage under whose name its cost is told, in the summary.
+    inputs_if : callable, optional
+        From the resolved study to names of stages that it is fed besides, in some studies only.
     """
 
     name: str
@@ -83,6 +92,17 @@ class Stage:
     parameters: tuple[str, ...]
     inputs: tuple[str, ...]
     compute: Compute
+    told_with: str = ""
+    inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
+
+    @property
+    def heading(self) -> str:
+        """Return the name under which its cost is told."""
+        return self.told_with or self.name
+
+    def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
+        """Return the names of the stages that it is fed in a resolved study."""
+        return self.inputs + self.inputs_if(values)
 
 
 def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:
@@ -126,7 +146,7 @@ def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]
             "stage": stage.name,
             "version": stage.version,
             "parameters": dict(stage_parameters(stage, values)),
-            "inputs": {name: found[name] for name in stage.inputs},
+            "inputs": {name: found[name] for name in stage.fed(values)},
         }
         found[stage.name] = digest(canonical(content))
     return found

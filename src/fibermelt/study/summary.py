@@ -1,21 +1,15 @@
-"""summary.json: the numbers of a finished study, as a function of its results."""
+"""What summary.json says of fibers in the bead, as a function of the results."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from fibermelt.errors import legible
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["in_words", "summarize"]
-
-COST_OF = {"flow": ("flow", "streamlines"), "cell": ("cell",), "motion": ("motion",)}
-"""Stages whose cost is summed under each heading of the summary."""
+__all__ = ["bead_in_words", "summarize_bead"]
 
 FLOW_NUMBERS = (
     "bead_height",
@@ -31,24 +25,19 @@ FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
 MOST_NAMED = 12
 """Streamlines that the words list by their numbers: more do not fit on a line."""
 
-LONGEST_PATH = 4096
-"""Characters of the results folder that the words repeat: as many as Linux allows."""
 
-
-def summarize(results: xr.Dataset, cost: Mapping[str, float]) -> dict[str, Any]:
-    """Return the content of summary.json, in SI, but for its schema and the cost of the whole.
+def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
+    """Return what summary.json says of fibers in the bead, in SI.
 
     Parameters
     ----------
     results : xarray.Dataset
         The results, as in results.nc.
-    cost : mapping
-        Wall time of each stage [s].
 
     Returns
     -------
     dict
-        ``flow``, ``streamlines``, ``cell``, ``extremes``, ``orientation`` and ``cost``. Extremes
+        ``flow``, ``streamlines``, ``cell``, ``extremes`` and ``orientation``. Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
@@ -63,9 +52,6 @@ def summarize(results: xr.Dataset, cost: Mapping[str, float]) -> dict[str, Any]:
         "cell": _cell(results),
         "extremes": _extremes(results),
         "orientation": _orientation(results),
-        "cost": {
-            heading: sum(cost[stage] for stage in stages) for heading, stages in COST_OF.items()
-        },
     }
 
 
@@ -153,15 +139,13 @@ def _orientation(results: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def in_words(summary: Mapping[str, Any], folder: Path) -> str:
-    """Return a summary as a few lines for a person, that say where to look.
+def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return what a summary says of fibers in the bead as a few lines for a person.
 
     Parameters
     ----------
     summary : mapping
         The content of summary.json.
-    folder : Path
-        The results folder.
     """
     flow, cell = summary["flow"], summary["cell"]
     stall = cell["stall_angle"]
@@ -188,10 +172,7 @@ def in_words(summary: Mapping[str, Any], folder: Path) -> str:
             f"lowest {place}  {-worst['lowest'] / 1e6:.3f} MPa below the melt's own pressure, on "
             f"streamline {worst['streamline']}"
         )
-    lines += _left_out(flagged, of=len(summary["streamlines"]))
-    shown = legible(str(folder), LONGEST_PATH)
-    cost = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary["cost"].items())
-    return "\n".join([*lines, f"cost            {cost}", f"results         {shown}"])
+    return lines + _left_out(flagged, of=len(summary["streamlines"]))
 
 
 def _left_out(flagged: Sequence[int], of: int) -> list[str]:

@@ -1,0 +1,120 @@
+"""Commands for studies: `fibermelt run`, `validate` and `defaults`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fibermelt.cli.common import (
+    INTERRUPTED,
+    JsonOption,
+    SetOption,
+    StudyArgument,
+    say,
+    told,
+)
+from fibermelt.errors import StoreError, legible
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["defaults", "run", "validate"]
+
+
+def run(
+    study: StudyArgument,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Results folder; results/<study> by default."),
+    ] = None,
+    sets: SetOption = None,
+    as_json: JsonOption = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Compute everything again, whatever is stored.")
+    ] = False,
+) -> None:
+    """Run a study into a results folder; what is stored there already is reused."""
+    with told():
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
+        from fibermelt.study.loading import load_study, replaces_another  # noqa: PLC0415
+        from fibermelt.study.parts import in_words  # noqa: PLC0415
+        from fibermelt.study.progress import observing  # noqa: PLC0415
+        from fibermelt.study.runner import run_study  # noqa: PLC0415
+
+        resolved = load_study(study, sets or [])
+        folder = _folder(out, resolved.name)
+        if out is None and sets and replaces_another(folder, resolved.config):
+            shown = legible(str(folder), len(str(folder)))
+            typer.echo(
+                f"note: {shown} shows a run of other parameters, which this one replaces; "
+                "name another folder with --out to keep both",
+                err=True,
+            )
+        try:
+            with observing() as observer:
+                summary = run_study(
+                    resolved, folder, CHAIN, draw=_draw, fresh=fresh, observer=observer
+                )
+        except KeyboardInterrupt:
+            typer.echo(
+                "interrupted: finished stages are kept, the same command goes on from them",
+                err=True,
+            )
+            raise typer.Exit(INTERRUPTED) from None
+        words = in_words(summary, CHAIN, resolved, folder)
+        say(json.dumps(summary, indent=1) if as_json else words)
+
+
+def _folder(out: str | None, name: str) -> Path:
+    """Return the results folder; an empty name would stand for the one that we are in."""
+    if out is not None and not out.strip():
+        msg = '--out "": is no name of a folder; write one, such as --out results/mine, or leave '
+        msg += "--out away"
+        raise StoreError(msg)
+    return Path("results", name) if out is None else Path(out)
+
+
+def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw the figures: wired here, since the study does not know the report."""
+    from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy, as in run
+
+    return draw_figures(results, folder)
+
+
+def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:
+    """Check a study without running it, and say what is wrong with it."""
+    with told():
+        from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.parameters import flatten  # noqa: PLC0415
+
+        resolved = load_study(study, sets or [])
+        if as_json:
+            say(json.dumps(flatten(resolved.config), indent=1))
+        else:
+            say(f"{legible(study, len(study))}: a valid study ({resolved.origin})")
+
+
+def defaults(as_json: JsonOption = False) -> None:
+    """Print every parameter with its default, range, unit, meaning and source, as TOML."""
+    with told():
+        from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.parameters import declarations  # noqa: PLC0415
+        from fibermelt.study.toml import defaults_toml  # noqa: PLC0415
+
+        if not as_json:
+            say(defaults_toml(), newline=False)
+            return
+        listed = {
+            item.key: {
+                "default": item.default,
+                "unit": item.unit,
+                "range": item.range,
+                "meaning": item.doc,
+                "source": item.source,
+            }
+            for item in declarations(Config)
+        }
+        say(json.dumps(listed, indent=1))

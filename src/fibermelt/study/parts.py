@@ -1,0 +1,105 @@
+"""The parts of a study: which stages each needs, and what it tells of their results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import legible
+from fibermelt.study.stages import Stage
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.loading import Study
+    from fibermelt.study.parameters import Value
+
+__all__ = ["Chain", "Part", "in_words"]
+
+LONGEST_PATH = 4096
+"""Characters of the results folder that the words repeat: as many as Linux allows."""
+
+
+def no_fields(results: xr.Dataset, folder: Path) -> None:
+    """Write nothing: most parts have no field besides what is in the results."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A share of a study that can be asked for by its name: some stages, and what they tell.
+
+    Parameters
+    ----------
+    name : str
+        What ``study.parts`` calls it.
+    stages : tuple of str
+        The stages that it needs; those who feed them come along.
+    summarize : callable
+        From the results to its share of summary.json.
+    words : callable
+        From the whole summary to lines for a person.
+    write_fields : callable
+        Writes the fields of the results into a folder (flow.vtu).
+    """
+
+    name: str
+    stages: tuple[str, ...]
+    summarize: Callable[[xr.Dataset], dict[str, Any]]
+    words: Callable[[Mapping[str, Any]], list[str]]
+    write_fields: Callable[[xr.Dataset, Path], None] = no_fields
+
+
+@dataclass(frozen=True)
+class Chain:
+    """All stages that there are, and the parts of a study that are made of them.
+
+    Parameters
+    ----------
+    stages : tuple of Stage
+        Inputs before those who need them.
+    parts : tuple of Part
+        In the order in which they are told.
+    version : int
+        Raised whenever the same stages give other files on show.
+    """
+
+    stages: tuple[Stage, ...]
+    parts: tuple[Part, ...]
+    version: int
+
+    def asked(self, names: Collection[str]) -> tuple[Part, ...]:
+        """Return the parts of some names."""
+        return tuple(part for part in self.parts if part.name in names)
+
+    def needed(self, names: Collection[str], values: Mapping[str, Value]) -> tuple[Stage, ...]:
+        """Return the stages that some parts of a resolved study need, with all that feeds them."""
+        wanted = {stage for part in self.asked(names) for stage in part.stages}
+        for stage in reversed(self.stages):
+            if stage.name in wanted:
+                wanted.update(stage.fed(values))
+        return tuple(stage for stage in self.stages if stage.name in wanted)
+
+
+def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Path) -> str:
+    """Return a summary as a few lines for a person, that say where to look.
+
+    Parameters
+    ----------
+    summary : mapping
+        The content of summary.json.
+    chain, study : Chain, Study
+        What was run.
+    folder : Path
+        The results folder.
+    """
+    parts = chain.asked(study.config.study.parts)
+    cost = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary["cost"].items())
+    return "\n".join(
+        [
+            *(line for part in parts for line in part.words(summary)),
+            f"cost            {cost}",
+            f"results         {legible(str(folder), LONGEST_PATH)}",
+        ]
+    )

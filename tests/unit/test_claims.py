@@ -1,0 +1,104 @@
+"""Claims are judged by the numbers: a changed number turns the verdict."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_bead import made_up
+
+from fibermelt.study.claims import (
+    QUANTITIES,
+    Claim,
+    claims,
+    claims_in_words,
+    judge,
+    summarize_claims,
+)
+from fibermelt.study.loading import load_study
+from fibermelt.study.toml import resolved_toml
+
+EVERY = {claim.id: claim for claim in claims()}
+
+
+@pytest.fixture
+def results():
+    """Made-up results of a bead, with the study that they are of."""
+    bead = made_up()
+    bead.attrs["config"] = resolved_toml(load_study("paper").config, "made up")
+    return bead
+
+
+def test_every_claim_has_its_quantity_and_every_quantity_its_claim():
+    assert len(EVERY) == len(claims())
+    assert {claim.quantity for claim in claims()} == set(QUANTITIES)
+
+
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_a_claim_says_where_it_stands_and_why_its_bound_is_what_it_is(claim):
+    assert claim.section[0] in "234A"
+    assert claim.statement.endswith(".")
+    assert claim.why
+    assert claim.measure
+    assert 0 < len(claim.said) < 60
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"paper": 1.0}, "give a value and its tolerance, or bounds"),
+        ({"tolerance": 1.0}, "give a value and its tolerance, or bounds"),
+        ({}, "give a value and its tolerance, or bounds"),
+        ({"at_least": 1.0, "unit": "furlong"}, "unit 'furlong' is none of"),
+    ],
+)
+def test_a_claim_that_cannot_be_judged_is_refused(wrong, message):
+    given = {"unit": "", **wrong}
+    with pytest.raises(ValueError, match=message):
+        Claim("x", "3", "It is.", "entrance_minimum", "it", why="so", **given)
+
+
+@pytest.mark.parametrize(
+    ("level", "verdict"), [(-0.5, "holds"), (-0.5499, "holds"), (-0.56, "differs")]
+)
+def test_a_stored_number_turns_the_verdict(results, level, verdict):
+    results["extreme"][:, :, 0, 0] = level * 1e6
+    found = judge(EVERY["loc1-level"], results)
+    assert found.verdict == verdict
+    assert found.value == pytest.approx(level, abs=1e-12)
+    if verdict == "differs":
+        assert found.reason.startswith("0.06 MPa below what the paper says: ")
+
+
+def test_a_reversed_trend_turns_the_verdict(results):
+    """The lowest pressure made to rise, then to fall, from each streamline to the one above."""
+    height = results["y"].to_numpy()[:, -1]
+    rise = np.argsort(np.argsort(height)).astype(float)
+    for sign, verdict in ((1.0, "holds"), (-1.0, "differs")):
+        results["lowest"][:] = (sign * rise * 1e5)[:, None, None]
+        results["pressure"][:] = 0.0
+        found = judge(EVERY["voids-near-bed"], results)
+        assert (found.verdict, round(found.value, 12)) == (verdict, sign)
+
+
+def test_a_part_that_was_not_run_cannot_be_judged(results):
+    found = judge(EVERY["loc1-level"], results.drop_vars("extreme"))
+    assert (found.verdict, found.ours) == ("cannot be judged", "")
+    assert found.reason == 'the study has no part "bead"'
+
+
+def test_another_number_of_streamlines_is_not_the_papers(results):
+    found = judge(EVERY["center-loc1-above-air"], results.isel(streamline=slice(0, 5)))
+    assert found.verdict == "cannot be judged"
+    assert "is one of 22; this study has 5" in found.reason
+
+
+def test_every_number_is_finite_and_the_table_complete(results):
+    summary = summarize_claims(results)
+    assert [one["id"] for one in summary["claims"]] == list(EVERY)
+    for claim in claims():
+        value = judge(claim, results).value
+        assert value is None or math.isfinite(value)
+    lines = claims_in_words(summary)
+    assert all(any(line.startswith(name) for line in lines) for name in EVERY)
+    tally = lines[-1].removeprefix("claims").split(",")
+    assert sum(int(part.split()[0]) for part in tally) == len(EVERY)
