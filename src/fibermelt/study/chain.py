@@ -42,7 +42,9 @@ _CELL_PARAMETERS = (
 )
 _STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
+    *_CELL_PARAMETERS,
     "melt.viscosity",
+    "fiber.path",
     "fiber.initial_angles",
     "fiber.directions",
     "fiber.direction_count",

@@ -232,9 +232,27 @@ class Fiber(Section):
         "How fibers enter: at initial_angles in the plane of the flow, or evenly over the sphere.",
         source="the paper's fibers lie in the plane; a spheroid need not",
     )
+    path: Literal["superposition", "newton"] = setting(
+        "superposition",
+        "How fibers are followed: by the cell's two flows, or by Newton-Raphson on force and "
+        "torque at every step. Newton: confined ellipse only, at 10^4 to 10^5 times the cost.",
+        source='"newton" is the paper\'s algorithm, Eq. 15-22',
+    )
     direction_count: int = setting(
         50, 'Number of initial directions, with directions = "equal-area".', ge=1, le=10000
     )
+
+    @model_validator(mode="after")
+    def _path(self) -> Self:
+        """Refuse the paper's algorithm where there is no cell to work on."""
+        if self.path == "newton" and self.model != "confined-ellipse":
+            msg = (
+                'fiber.path = "newton": the paper\'s algorithm works on a cell, which '
+                f'fiber.model = "{self.model}" has not: take fiber.model = "confined-ellipse", or '
+                'fiber.path = "superposition"'
+            )
+            raise ValueError(msg)
+        return self
 
     @model_validator(mode="after")
     def _start(self) -> Self:
