@@ -30,7 +30,7 @@ from fibermelt.fiber.jeffery import jeffery_angle
 from fibermelt.fiber.orbit import checked_shear, tumbling_period
 from fibermelt.fiber.response import FiberResponse
 
-__all__ = ["Tumbling", "tumble", "turn_times"]
+__all__ = ["Tumbling", "tumble", "turn_times", "turned_angle"]
 
 Array = NDArray[np.float64]
 
@@ -150,10 +150,7 @@ def tumble(
         msg = f"time of shape {instants.shape}: must be a list of finite times in seconds"
         raise ConfigError(msg)
     factor, amplitude = response.shape_factor, 0.5 * viscosity * rate
-    if factor < 1.0:
-        turned = jeffery_angle(instants, rate, _turning_ratio(factor), start)
-    else:
-        turned = _stalling_angle(instants, rate, factor, start)
+    turned = turned_angle(factor, rate, instants, start)
     phase = 0.5 * np.pi - 2.0 * turned
     along, across = response.tip
     return Tumbling(
@@ -164,6 +161,25 @@ def tumble(
         highest=amplitude * _support(response.curve, phase),
         tip=np.asarray(amplitude * (along * np.cos(phase) + across * np.sin(phase))),
     )
+
+
+def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: float = 0.0) -> Array:
+    """Return the angle of a fiber from the flow [rad] at given times, whether it stalls or not.
+
+    Parameters
+    ----------
+    shape_factor : float
+        ``B`` [-], above -1.
+    shear_rate : float
+        ``gamma_dot`` [1/s] of ``u_x = gamma_dot y``, positive.
+    time : (n,) array
+        Times since the start [s].
+    angle : float
+        Angle from the flow direction at the start [rad].
+    """
+    if shape_factor < 1.0:
+        return jeffery_angle(time, shear_rate, _turning_ratio(shape_factor), angle)
+    return _stalling_angle(time, shear_rate, shape_factor, angle)
 
 
 def _turning_ratio(shape_factor: float) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fibermelt.study.claims import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
+from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_stage
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
@@ -23,6 +24,13 @@ from fibermelt.study.orientation_summary import (
     summarize_orientation,
 )
 from fibermelt.study.parts import Chain, Part
+from fibermelt.study.sensitivity_stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.study.sensitivity_summary import (
+    dimensions_in_words,
+    orbits_in_words,
+    summarize_dimensions,
+    summarize_orbits,
+)
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
 
@@ -77,7 +85,14 @@ CHAIN = Chain(
         Stage("stall", 1, ("fiber.aspect_ratio",), (), stall_stage),
         Stage("content", 1, _CONTENT_PARAMETERS, ("stall",), content_stage),
         Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage, inputs_if=_from_content),
-        Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
+        Stage(
+            "motion",
+            1,
+            _MOTION_PARAMETERS,
+            ("streamlines", "cell"),
+            motion_stage,
+            inputs_if=_from_content,
+        ),
         Stage("orientation", 1, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
         Stage(
             "interaction",
@@ -86,6 +101,15 @@ CHAIN = Chain(
             ("stall",),
             interaction_stage,
         ),
+        Stage("orbits", 1, ORBITS_PARAMETERS, (), orbits_stage),
+        Stage(
+            "dimensions",
+            1,
+            DIMENSIONS_PARAMETERS,
+            ("streamlines", "cell"),
+            dimensions_stage,
+            inputs_if=_from_content,
+        ),
     ),
     parts=(
         Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
@@ -93,6 +117,8 @@ CHAIN = Chain(
         Part(
             "interaction", ("content", "interaction"), summarize_interaction, interaction_in_words
         ),
+        Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
+        Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
     version=1,

@@ -288,13 +288,6 @@ class Streamlines(Section):
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
     points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
-    features: tuple[int, ...] = setting(
-        [4, 10, 18],
-        "Streamlines that are looked at one by one; those beyond count are left out.",
-        ge=1,
-        le=1000,
-        source="the paper's feature streamlines: near the left edge, the center, the right edge",
-    )
 
 
 class Interaction(Section):
@@ -359,6 +352,19 @@ class Sensitivity(Section):
         "ratios of 6, 8 and 10 within 0.2 %; the paper does not state its own",
         hints={"gt": "the fiber would be larger than its cell", "ge": _VERIFIED, "le": _VERIFIED},
     )
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        """Refuse no aspect ratio, and what is listed twice."""
+        if not self.aspect_ratios:
+            msg = "sensitivity.aspect_ratios = []: at least one, such as [6]"
+            raise ValueError(msg)
+        for name in ("aspect_ratios", "shear_rates", "viscosities"):
+            values = getattr(self, name)
+            if len(set(values)) < len(values):
+                msg = f"sensitivity.{name}: lists a value twice: name each once"
+                raise ValueError(msg)
+        return self
 
 
 class Numerics(Section):

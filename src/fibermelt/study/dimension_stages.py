@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.fiber_stages import _model, _path
+from fibermelt.study.fiber_stages import domain_size, stored_model, stored_path
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -49,8 +49,8 @@ CURVE_RATIOS = (1.0, 20.0, 77)
 
 def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Compare confined ellipse, ellipse and spheroid, in simple shear and along streamlines."""
-    ratios = tuple(parameters["sensitivity.aspect_ratios"])
-    models = _models(parameters, inputs["cell"])
+    ratios, size = tuple(parameters["sensitivity.aspect_ratios"]), domain_size(parameters, inputs)
+    models = _models(parameters, inputs["cell"], size)
     say(f"{len(ratios)} aspect ratios in simple shear")
     along = _along(parameters, inputs["streamlines"], models)
     say(f"{len(along['feature_streamline'])} streamlines, {len(models)} models")
@@ -58,8 +58,8 @@ def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dat
         {
             "ratio": ratios,
             "dimension_model": list(MODELS),
-            "dimension_domain_size": parameters["fiber.domain_size"],
-            **_peaks(parameters, ratios),
+            "dimension_domain_size": size,
+            **_peaks(parameters, ratios, size),
             **along,
         }
     )
@@ -81,7 +81,7 @@ def feature_rows(flux_fraction: NDArray[np.float64]) -> list[int]:
     return list(dict.fromkeys(rows))
 
 
-def _confined(parameters: Parameters, ratio: float) -> FiberModel:
+def _confined(parameters: Parameters, ratio: float, size: float) -> FiberModel:
     """Solve the cell of a confined ellipse."""
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  lazy: loads the finite elements
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
@@ -90,7 +90,7 @@ def _confined(parameters: Parameters, ratio: float) -> FiberModel:
 
     numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
     fiber = Ellipse(parameters["fiber.half_length"], ratio)
-    return confined_model(solve_cell(fiber, parameters["fiber.domain_size"], numerics).response)
+    return confined_model(solve_cell(fiber, size, numerics).response)
 
 
 def _unbounded(parameters: Parameters, ratio: float) -> list[FiberModel]:
@@ -101,14 +101,14 @@ def _unbounded(parameters: Parameters, ratio: float) -> list[FiberModel]:
     return [unbounded_model("ellipse", fiber), unbounded_model("spheroid", fiber)]
 
 
-def _models(parameters: Parameters, cell: xr.Dataset) -> list[FiberModel]:
+def _models(parameters: Parameters, cell: xr.Dataset, size: float) -> list[FiberModel]:
     """Return the study's fiber as each of the models; its cell is taken if it has one."""
-    chosen, ratio = _model(cell), parameters["fiber.aspect_ratio"]
-    confined = chosen if chosen.name == MODELS[0] else _confined(parameters, ratio)
+    chosen, ratio = stored_model(cell), parameters["fiber.aspect_ratio"]
+    confined = chosen if chosen.name == MODELS[0] else _confined(parameters, ratio, size)
     return [confined, *_unbounded(parameters, ratio)]
 
 
-def _peaks(parameters: Parameters, ratios: tuple[float, ...]) -> dict[str, Any]:
+def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> dict[str, Any]:
     """Return the highest pressure in simple shear over ``mu gamma_dot``, against aspect ratio."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -118,7 +118,10 @@ def _peaks(parameters: Parameters, ratios: tuple[float, ...]) -> dict[str, Any]:
     curve = np.linspace(CURVE_RATIOS[0], CURVE_RATIOS[1], CURVE_RATIOS[2])
     unbounded = [[peak(model) for model in _unbounded(parameters, ratio)] for ratio in curve]
     table = [
-        [peak(model) for model in (_confined(parameters, ratio), *_unbounded(parameters, ratio))]
+        [
+            peak(model)
+            for model in (_confined(parameters, ratio, size), *_unbounded(parameters, ratio))
+        ]
         for ratio in ratios
     ]
     return {
@@ -135,7 +138,7 @@ def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) 
 
     rows = feature_rows(lines["flux_fraction"].to_numpy())
     chosen = lines.isel(streamline=rows)
-    path, middle = _path(chosen), chosen["middle_time"].to_numpy()
+    path, middle = stored_path(chosen), chosen["middle_time"].to_numpy()
     found = [_lowest_along(parameters, path, model, middle) for model in models]
     return {
         "location": [1, 2],

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.shape import Ellipse
 
-__all__ = ["cell_stage", "motion_stage"]
+__all__ = ["cell_stage", "domain_size", "motion_stage", "stored_model", "stored_path"]
 
 PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
     "mean": "cell-edge",
@@ -34,20 +34,24 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     if parameters["fiber.model"] == "confined-ellipse":
-        size = parameters["fiber.domain_size"]
-        if "content" in inputs:
-            size = float(inputs["content"]["content_domain_size"])
-        return _confined(fiber, size, parameters, say)
+        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
     return _unbounded(fiber, parameters["fiber.model"], say)
 
 
-def _confined(fiber: Ellipse, domain_size: float, parameters: Parameters, say: Say) -> xr.Dataset:
+def domain_size(parameters: Parameters, inputs: Inputs) -> float:
+    """Return ``M`` of the fiber's cell [-]: as the study says, or from its fiber content."""
+    if "content" in inputs:
+        return float(inputs["content"]["content_domain_size"])
+    return float(parameters["fiber.domain_size"])
+
+
+def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
     """Solve the cell of a confined ellipse."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
 
-    solution = solve_cell(fiber, domain_size, _numerics(parameters))
+    solution = solve_cell(fiber, size, _numerics(parameters))
     say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
     stall_angle, error = solution.stall_angle, solution.error_estimate
     return labelled(
@@ -117,7 +121,7 @@ def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -
     )
 
 
-def _model(cell: xr.Dataset) -> FiberModel:
+def stored_model(cell: xr.Dataset) -> FiberModel:
     """Return the fiber's model that was stored."""
     from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
     from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415  lazy: see the module
@@ -137,7 +141,7 @@ def _model(cell: xr.Dataset) -> FiberModel:
     )
 
 
-def _path(lines: xr.Dataset) -> PathBundle:
+def stored_path(lines: xr.Dataset) -> PathBundle:
     """Return the flow histories that were stored."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -165,13 +169,13 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
-    path, model = _path(inputs["streamlines"]), _model(inputs["cell"])
+    path, model = stored_path(inputs["streamlines"]), stored_model(inputs["cell"])
     viscosity, count = parameters["melt.viscosity"], parameters["numerics.isotropic_angles"]
     middle = inputs["streamlines"]["middle_time"].to_numpy()
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
     if parameters["fiber.path"] == "newton":
-        numerics = _numerics(parameters)
-        followed = followed_by_newton(parameters, path, numerics, middle, zone_time, say)
+        size, numerics = domain_size(parameters, inputs), _numerics(parameters)
+        followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
     elif parameters["fiber.directions"] == "in-plane":
         followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
     else:

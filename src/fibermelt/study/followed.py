@@ -63,12 +63,13 @@ def followed_in_plane(
 def followed_by_newton(
     parameters: Parameters,
     path: PathBundle,
+    size: float,
     numerics: CellNumerics,
     middle: Array,
     zone_time: Array,
     say: Say,
 ) -> dict[str, Any]:
-    """Return the same fibers by the paper's algorithm on the cell of ``numerics``.
+    """Return the same fibers by the paper's algorithm, on a cell of size ``M``.
 
     The extremes are those of its steps and of the cell's surface points, as in the paper.
     """
@@ -78,7 +79,7 @@ def followed_by_newton(
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
-    system = build_system(fiber, parameters["fiber.domain_size"], numerics)
+    system = build_system(fiber, size, numerics)
     angles = np.asarray(parameters["fiber.initial_angles"])
     viscosity = parameters["melt.viscosity"]
     motions = newton_motions(system, fiber, path.histories, viscosity, angles, say)

@@ -33,16 +33,18 @@ def summarize_orbits(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``domain_size`` of the cells; ``cases``, each with its sweep, its parameters and, by model
+        Under ``"orbits"``: ``domain_size`` of the cells; ``cases``, each with its sweep, its parameters and, by model
         (``confined-ellipse`` in its cell, ``ellipse`` in an unbounded melt), what a turn comes to:
         ``period`` null if the fiber stalls, pressures relative to the far field's,
         ``angle_at_min`` from the flow and ``where_at_min`` on the surface in radians; and
         ``periods``, Table 1 (`period_rows`).
     """
     return {
-        "domain_size": float(results["orbit_domain_size"]),
-        "cases": [_case(results, k) for k in range(results.sizes["case"])],
-        "periods": period_rows(results),
+        "orbits": {
+            "domain_size": float(results["orbit_domain_size"]),
+            "cases": [_case(results, k) for k in range(results.sizes["case"])],
+            "periods": period_rows(results),
+        }
     }
 
 
@@ -120,7 +122,7 @@ def summarize_dimensions(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``domain_size`` of the confined ellipses; ``peaks``, by aspect ratio the highest pressure in
+        Under ``"dimensions"``: ``domain_size`` of the confined ellipses; ``peaks``, by aspect ratio the highest pressure in
         simple shear over ``mu gamma_dot`` of each model, with ``spheroid_over_ellipse``; and
         ``streamlines`` (`dimension_rows`).
     """
@@ -132,9 +134,11 @@ def summarize_dimensions(results: xr.Dataset) -> dict[str, Any]:
         ratios = {"spheroid_over_ellipse": row["spheroid"] / row["ellipse"]}
         peaks.append({"aspect_ratio": float(ratio), **row, **ratios})
     return {
-        "domain_size": float(results["dimension_domain_size"]),
-        "peaks": peaks,
-        "streamlines": dimension_rows(results),
+        "dimensions": {
+            "domain_size": float(results["dimension_domain_size"]),
+            "peaks": peaks,
+            "streamlines": dimension_rows(results),
+        }
     }
 
 
@@ -179,16 +183,17 @@ def orbits_in_words(summary: Mapping[str, Any]) -> list[str]:
     Parameters
     ----------
     summary : mapping
-        What `summarize_orbits` returned.
+        The content of summary.json.
     """
-    base = summary["cases"][0]
+    found = summary["orbits"]
+    base = found["cases"][0]
     lines = [
         f"one fiber       aspect ratio {base['aspect_ratio']:g}, {base['shear_rate']:g} 1/s, "
         f"{base['viscosity']:g} Pa s: {base['confined-ellipse']['min_pressure'] / 1e3:.2f} kPa at "
         f"the lowest, {base['ellipse']['min_pressure'] / 1e3:.2f} kPa unbounded"
     ]
     for sweep, symbol, unit in (("aspect_ratio", "r_e", ""), ("shear_rate", "rate", " 1/s")):
-        rows = [row for row in summary["periods"] if row["sweep"] == sweep]
+        rows = [row for row in found["periods"] if row["sweep"] == sweep]
         lines += [
             f"period          {symbol} = {row[sweep]:g}{unit}: Jeffery {row['jeffery']:.2f} s, "
             f"cell {_seconds(row['ours'])}, the paper {_seconds(row['paper'])}"
@@ -203,11 +208,11 @@ def dimensions_in_words(summary: Mapping[str, Any]) -> list[str]:
     Parameters
     ----------
     summary : mapping
-        What `summarize_dimensions` returned.
+        The content of summary.json.
     """
-    lines = []
-    if summary["peaks"]:
-        worst = max(summary["peaks"], key=lambda row: float(row["spheroid_over_ellipse"]))
+    lines, found = [], summary["dimensions"]
+    if found["peaks"]:
+        worst = max(found["peaks"], key=lambda row: float(row["spheroid_over_ellipse"]))
         lines.append(
             f"3D against 2D   a spheroid sees up to {worst['spheroid_over_ellipse']:.2f} times the "
             f"pressure of an unbounded ellipse (aspect ratio {worst['aspect_ratio']:g})"
@@ -215,7 +220,7 @@ def dimensions_in_words(summary: Mapping[str, Any]) -> list[str]:
     lines += [
         f"spheroid        {-row['lowest'] / 1e6:.3f} MPa below the melt's own pressure on "
         f"streamline {row['streamline']}, location {row['location']}"
-        for row in summary["streamlines"]
+        for row in found["streamlines"]
         if row["model"] == "spheroid"
     ]
     return lines
