@@ -50,8 +50,8 @@ POINTS = 13
 MOST_POINTS = 49
 """Points at which a curve that is not yet accurate is given up."""
 
-PAPER_DOMAINS = (3.0, 5.3)
-"""Domain sizes of the paper's Eq. 32: beyond, its angle falls below zero."""
+PAPER_DOMAIN_END = 5.3
+"""Largest ``M`` of the paper's Eq. 32: beyond 5.35 its angle is negative."""
 
 
 def stall_curve(
@@ -122,7 +122,8 @@ def paper_stall_angle(domain_size: ArrayLike) -> Array:
     Parameters
     ----------
     domain_size : array_like
-        ``M`` [-], from 3 to 5.3: below, nothing was fitted, above, the parabola falls under zero.
+        ``M`` [-], above 2 and up to 5.3, where the parabola falls under zero; the paper prints no
+        range. At 2.4 it gives 0.241, the cells 0.247.
 
     Raises
     ------
@@ -130,12 +131,12 @@ def paper_stall_angle(domain_size: ArrayLike) -> Array:
         If a domain size is out of that range.
     """
     M = np.asarray(domain_size, dtype=np.float64)
-    inside = (PAPER_DOMAINS[0] <= M) & (PAPER_DOMAINS[1] >= M)
+    inside = (M > 2.0) & (PAPER_DOMAIN_END >= M)
     if not np.all(inside):
         first = float(M[~inside].flat[0])
         msg = (
-            f"fiber.domain_size = {first:g}: the paper's Eq. 32 holds from {PAPER_DOMAINS[0]:g} to "
-            f"{PAPER_DOMAINS[1]:g}; take the computed curve beyond"
+            f"fiber.domain_size = {first:g}: the paper's Eq. 32 holds above 2 and up to "
+            f"{PAPER_DOMAIN_END:g}; take the computed curve beyond"
         )
         raise ConfigError(msg)
     return np.asarray(0.33839 - 0.022 * M - 0.0077 * M**2)

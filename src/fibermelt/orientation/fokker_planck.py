@@ -186,7 +186,7 @@ def follow_distribution(
     Dormand and Prince's explicit method of order eight, with steps well inside its stability: the
     degree that resolves ``psi`` goes with ``D_r^(-1/3)``, so that diffusion is hardly stiff there.
     ``L`` is the local cubic between the points, ``D_r`` the monotone one, which cannot fall below
-    zero. Fifty units of shear at ``r_e = 6`` take half a second at ``C_I = 0.0128``, five at 1e-3.
+    zero. Fifty units of shear at ``r_e = 6`` take half a second at ``C_I = 0.0128``, six at 1e-3.
 
     Parameters
     ----------
