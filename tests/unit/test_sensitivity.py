@@ -38,12 +38,12 @@ def dimensions() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def orbit_numbers(orbits: xr.Dataset) -> dict[str, Any]:
-    return summarize_orbits(orbits)
+    return summarize_orbits(orbits)["orbits"]
 
 
 @pytest.fixture(scope="module")
 def dimension_numbers(dimensions: xr.Dataset) -> dict[str, Any]:
-    return summarize_dimensions(dimensions)
+    return summarize_dimensions(dimensions)["dimensions"]
 
 
 def _cases(numbers: dict[str, Any], sweep: str) -> list[dict[str, Any]]:
@@ -135,19 +135,21 @@ def test_table_1(orbit_numbers: dict[str, Any]) -> None:
 
 
 def test_a_line_that_the_paper_has_not() -> None:
-    rows = summarize_orbits(turned(aspect_ratios=(4.0,), shear_rates=(3.0,), viscosities=(1.0,)))
+    rows = summarize_orbits(turned(aspect_ratios=(4.0,), shear_rates=(3.0,), viscosities=(1.0,)))[
+        "orbits"
+    ]
     assert [row["paper"] for row in rows["periods"]] == [None, None]
     assert [row["paper_above_jeffery"] for row in rows["periods"]] == [None, None]
-    assert "the paper none" in orbits_in_words(rows)[1]
+    assert "the paper none" in orbits_in_words({"orbits": rows})[1]
 
 
 def test_fibers_that_stall_have_no_period() -> None:
     results = turned(domain_size=4.0, aspect_ratios=(6.0,), shear_rates=(1.0,), viscosities=(1.0,))
-    numbers = summarize_orbits(results)
+    numbers = summarize_orbits(results)["orbits"]
     json.dumps(numbers, allow_nan=False)
     assert numbers["cases"][0]["confined-ellipse"]["period"] is None
     assert numbers["periods"][0]["ours"] is None
-    assert "cell none" in orbits_in_words(numbers)[1]
+    assert "cell none" in orbits_in_words({"orbits": numbers})[1]
     time = results["turn_time"].sel(orbit_model="confined-ellipse")
     assert float(time[0, -1]) == pytest.approx(2.0 * np.pi * (6.0 + 1.0 / 6.0))
 
@@ -214,12 +216,12 @@ def test_dimensions_in_numbers(dimension_numbers: dict[str, Any], dimensions: xr
 
 
 def test_words(orbit_numbers: dict[str, Any], dimension_numbers: dict[str, Any]) -> None:
-    lines = orbits_in_words(orbit_numbers)
+    lines = orbits_in_words({"orbits": orbit_numbers})
     assert len(lines) == 7
     assert "-5.72 kPa unbounded" in lines[0]
     assert "r_e = 6: Jeffery 38.75 s" in lines[2]
     assert "the paper 19.99 s" in lines[-1]
-    lines = dimensions_in_words(dimension_numbers)
+    lines = dimensions_in_words({"dimensions": dimension_numbers})
     assert "2.87 times" in lines[0]
     assert len(lines) == 1 + 6
     assert all(len(line) < 120 for line in lines)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from turned_fibers import PARAMETERS, compared, turned
 
-from fibermelt.report.figures import Plate
+from fibermelt.report.plates import Plate
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.style import PNG_DOTS, STYLE, save
 from fibermelt.report.turns import COLUMN, half_turn, read_turn, swept

@@ -7,12 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.orientation_stages import (
-    distribution_angle,
-    folgar_tucker,
-    preferred_angle,
-    stored_curve,
-)
+from fibermelt.study.orientation_stages import distribution_angle, folgar_tucker, stored_curve
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -35,14 +30,16 @@ DISTRIBUTION = "exact-pdf"
 
 CONVENTIONS = ("standard", "paper")
 
-INTERACTIONS = (0.003, 0.04, 19)
-"""From, to, and how many interaction coefficients of a curve; Eq. 34 holds up to 0.041."""
+LEAST_INTERACTION, STEPS_AN_OCTAVE, INTERACTIONS = 0.003, 4, 15
+"""The first interaction coefficient of a curve, how many to twice as much, and how many; the last
+is 0.034, as Eq. 34 holds up to 0.041."""
 
 SIZES = 121
 """Points of the stall angle's curve."""
 
 SMALLEST_DRAWN, LONGEST_TIME, TIMES = 3.0, 20.0, 241
-"""Smallest cell, longest time [1/gamma_dot] and points of a fiber's motion towards its stall."""
+"""Smallest cell, longest time [1/gamma_dot] and points of a fiber's motion towards its stall; the
+paper's Eq. 32 is compared with from that cell on, as a parabola cannot follow smaller ones."""
 
 
 def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -50,16 +47,14 @@ def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     curve = stored_curve(inputs["stall"])
-    interaction = np.geomspace(*INTERACTIONS)
-    say(f"{len(CLOSURES)} closures and the distribution at {len(interaction)} C_I")
+    interaction = LEAST_INTERACTION * 2.0 ** (np.arange(INTERACTIONS) / STEPS_AN_OCTAVE)
     aspect_ratio, closure = parameters["fiber.aspect_ratio"], parameters["interaction.closure"]
-    angle = _preferred_angles(aspect_ratio, interaction)
-    chosen = np.array(
-        [
-            [_angle(aspect_ratio, float(C_I), convention, closure) for C_I in interaction]
-            for convention in CONVENTIONS
-        ]
+    say(f"{len(CLOSURES)} closures and the distribution at {INTERACTIONS} C_I")
+    angle = np.stack(
+        [_by_convention(aspect_ratio, interaction, one) for one in (*CLOSURES, DISTRIBUTION)],
+        axis=1,
     )
+    chosen = _by_convention(aspect_ratio, interaction, closure)
     domain = np.array([[_domain_size(curve, one) for one in row] for row in chosen])
     return labelled(
         {
@@ -98,12 +93,11 @@ def _stall_angles(curve: StallCurve) -> dict[str, Any]:
     """Return the stall angle against the size of the cell (Fig. 14c), Eq. 32 where it holds."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.stall import PAPER_DOMAINS, paper_stall_angle  # noqa: PLC0415
+    from fibermelt.fiber.stall import PAPER_DOMAIN_END, paper_stall_angle  # noqa: PLC0415
 
     sizes = np.linspace(float(curve.domain_size[0]), curve.largest_stalling_domain, SIZES)
     angle = np.nan_to_num(curve.stall_angle(sizes), nan=0.0)
-    low, high = PAPER_DOMAINS
-    fitted = (sizes >= low) & (sizes <= high)
+    fitted = (sizes >= SMALLEST_DRAWN) & (sizes <= PAPER_DOMAIN_END)
     paper = np.full(SIZES, np.nan)
     paper[fitted] = paper_stall_angle(sizes[fitted])
     return {
@@ -114,32 +108,47 @@ def _stall_angles(curve: StallCurve) -> dict[str, Any]:
     }
 
 
-def _preferred_angles(aspect_ratio: float, interaction: Array) -> Array:
-    """Return the preferred angle by convention, closure and C_I (Fig. 14d), the true one last."""
+def _by_convention(aspect_ratio: float, interaction: Array, closure: str) -> Array:
+    """Return the preferred angle [rad] by convention and C_I (Fig. 14d), NaN where there is none.
+
+    The paper's rate of deformation is ``sqrt(2)`` times the standard one, so its angles are the
+    standard ones of a ``C_I`` half an octave up.
+    """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    return np.array(
-        [
-            [
-                [_angle(aspect_ratio, float(C_I), convention, closure) for C_I in interaction]
-                for closure in (*CLOSURES, DISTRIBUTION)
-            ]
-            for convention in CONVENTIONS
-        ]
+    shift = STEPS_AN_OCTAVE // 2
+    beyond = interaction[-1] * 2.0 ** (np.arange(1, shift + 1) / STEPS_AN_OCTAVE)
+    every = np.concatenate([interaction, beyond])
+    angle = _angles(aspect_ratio, every, closure)
+    return np.stack([angle[: len(interaction)], angle[shift:]])
+
+
+def _angles(aspect_ratio: float, interaction: Array, closure: str) -> Array:
+    """Return preferred angles [rad] in the standard convention, NaN where there is none."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.errors import ConvergenceError  # noqa: PLC0415
+    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415
+    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
+    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
+
+    models = [folgar_tucker(aspect_ratio, float(C_I), "standard") for C_I in interaction]
+    if closure == DISTRIBUTION:
+        return np.array([distribution_angle(model) for model in models])
+    found, shear, chosen = (
+        np.full(len(models), np.nan),
+        flow_gradient("simple-shear"),
+        named(closure),
     )
-
-
-def _angle(aspect_ratio: float, interaction: float, convention: str, closure: str) -> float:
-    """Return one preferred angle [rad], NaN where the closure has no steady state."""
-    from fibermelt.errors import ConvergenceError  # noqa: PLC0415  lazy: see the module
-
-    model = folgar_tucker(aspect_ratio, interaction, convention)
-    try:
-        if closure == DISTRIBUTION:
-            return distribution_angle(model)
-        return preferred_angle(model, closure)
-    except ConvergenceError:
-        return float("nan")
+    start = None
+    for k in reversed(range(len(models))):  # from the one before, with more diffusion
+        try:
+            state = steady_state(models[k], shear, chosen, start)
+        except ConvergenceError:
+            start = None
+            continue
+        found[k], start = state.angle, state.a
+    return found
 
 
 def _domain_size(curve: StallCurve, angle: float) -> float:

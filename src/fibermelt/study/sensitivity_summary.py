@@ -33,7 +33,8 @@ def summarize_orbits(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        Under ``"orbits"``: ``domain_size`` of the cells; ``cases``, each with its sweep, its parameters and, by model
+        Under ``"orbits"``: ``domain_size`` of the cells; ``cases``, each with its sweep, its
+        parameters and, by model
         (``confined-ellipse`` in its cell, ``ellipse`` in an unbounded melt), what a turn comes to:
         ``period`` null if the fiber stalls, pressures relative to the far field's,
         ``angle_at_min`` from the flow and ``where_at_min`` on the surface in radians; and
@@ -122,7 +123,8 @@ def summarize_dimensions(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        Under ``"dimensions"``: ``domain_size`` of the confined ellipses; ``peaks``, by aspect ratio the highest pressure in
+        Under ``"dimensions"``: ``domain_size`` of the confined ellipses; ``peaks``, by aspect ratio
+        the highest pressure in
         simple shear over ``mu gamma_dot`` of each model, with ``spheroid_over_ellipse``; and
         ``streamlines`` (`dimension_rows`).
     """
@@ -192,14 +194,24 @@ def orbits_in_words(summary: Mapping[str, Any]) -> list[str]:
         f"{base['viscosity']:g} Pa s: {base['confined-ellipse']['min_pressure'] / 1e3:.2f} kPa at "
         f"the lowest, {base['ellipse']['min_pressure'] / 1e3:.2f} kPa unbounded"
     ]
-    for sweep, symbol, unit in (("aspect_ratio", "r_e", ""), ("shear_rate", "rate", " 1/s")):
+    for sweep, heading in (("aspect_ratio", "r_e"), ("shear_rate", "rate [1/s]")):
         rows = [row for row in found["periods"] if row["sweep"] == sweep]
-        lines += [
-            f"period          {symbol} = {row[sweep]:g}{unit}: Jeffery {row['jeffery']:.2f} s, "
-            f"cell {_seconds(row['ours'])}, the paper {_seconds(row['paper'])}"
-            for row in rows
-        ]
+        if rows:
+            lines += _table(
+                ("period [s]", heading, [f"{row[sweep]:g}" for row in rows]),
+                ("", "Jeffery", [_seconds(row["jeffery"]) for row in rows]),
+                ("", f"M = {found['domain_size']:g}", [_seconds(row["ours"]) for row in rows]),
+                ("", "the paper", [_seconds(row["paper"]) for row in rows]),
+            )
     return lines
+
+
+def _table(*rows: tuple[str, str, list[str]]) -> list[str]:
+    """Return lines of a table: what it is, the row's name, its numbers."""
+    return [
+        f"{what:<16}{name:<12}" + "".join(f"{number:>8}" for number in numbers)
+        for what, name, numbers in rows
+    ]
 
 
 def dimensions_in_words(summary: Mapping[str, Any]) -> list[str]:
@@ -227,7 +239,7 @@ def dimensions_in_words(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _seconds(period: float | None) -> str:
-    return "none" if period is None else f"{period:.2f} s"
+    return "none" if period is None else f"{period:.2f}"
 
 
 def _or_none(value: xr.DataArray) -> float | None:
