@@ -9,7 +9,7 @@ from __future__ import annotations
 import typer
 
 from fibermelt.cli.checks import verify
-from fibermelt.cli.fibers import orbit
+from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.versions import options, version
 
@@ -22,7 +22,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, validate, defaults, orbit, verify, version):
+for command in (run, validate, defaults, orbit, orientation, domain_size, verify, version):
     app.command()(command)
 
 

@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.orientation_stages import distribution_angle, folgar_tucker, stored_curve
+from fibermelt.study.orientation_stages import (
+    DISTRIBUTION,
+    folgar_tucker,
+    preferred_angle,
+    stored_curve,
+)
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -24,9 +29,6 @@ __all__ = ["interaction_stage"]
 
 CLOSURES = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
 """Closures whose preferred angles are drawn: the paper's, the fits in use, and the crude ones."""
-
-DISTRIBUTION = "exact-pdf"
-"""What stands for the distribution itself, which needs no closure."""
 
 CONVENTIONS = ("standard", "paper")
 
@@ -134,7 +136,7 @@ def _angles(aspect_ratio: float, interaction: Array, closure: str) -> Array:
 
     models = [folgar_tucker(aspect_ratio, float(C_I), "standard") for C_I in interaction]
     if closure == DISTRIBUTION:
-        return np.array([distribution_angle(model) for model in models])
+        return np.array([preferred_angle(model, DISTRIBUTION) for model in models])
     found, shear, chosen = (
         np.full(len(models), np.nan),
         flow_gradient("simple-shear"),

@@ -21,15 +21,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 __all__ = [
+    "DISTRIBUTION",
     "content_stage",
-    "distribution_angle",
     "folgar_tucker",
     "interaction_coefficient",
     "orientation_stage",
     "preferred_angle",
+    "rotary_diffusivity",
     "stall_stage",
     "stored_curve",
 ]
+
+
+DISTRIBUTION = "exact-pdf"
+"""What stands in the place of a closure for the distribution itself, which needs none."""
 
 
 def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -80,24 +85,31 @@ def folgar_tucker(aspect_ratio: float, interaction: float, convention: Any) -> F
     return FolgarTucker(jeffery_factor(aspect_ratio), interaction, convention=convention)
 
 
+def rotary_diffusivity(model: FolgarTucker, gradient: Array) -> Array:
+    """Return ``D_r = C_I gamma_dot`` [1/s] of velocity gradients (..., 3, 3), (...)."""
+    from fibermelt.orientation.flows import shear_rate, strain_and_spin  # noqa: PLC0415  lazy
+    from fibermelt.orientation.kinetics import CONVENTIONS  # noqa: PLC0415
+
+    rate = shear_rate(strain_and_spin(gradient)[0])
+    return model.interaction * CONVENTIONS[model.convention] * rate
+
+
 def preferred_angle(model: FolgarTucker, closure: str) -> float:
-    """Return the preferred angle in simple shear [rad] from the flow (the paper's Eq. 31)."""
+    """Return the preferred angle in simple shear [rad] from the flow (the paper's Eq. 31).
+
+    The closure may be `DISTRIBUTION`, which is none: the distribution's own moment.
+    """
     from fibermelt.orientation.closures import closure as named  # noqa: PLC0415  lazy
     from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
-    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
-
-    return steady_state(model, flow_gradient("simple-shear"), named(closure)).angle
-
-
-def distribution_angle(model: FolgarTucker) -> float:
-    """Return the preferred angle in simple shear [rad] of the distribution: no closure."""
-    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415  lazy: see the module
     from fibermelt.orientation.fokker_planck import steady_distribution  # noqa: PLC0415
-    from fibermelt.orientation.kinetics import CONVENTIONS  # noqa: PLC0415
+    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
     from fibermelt.orientation.tensors import preferred_angle as angle_of  # noqa: PLC0415
 
-    diffusivity = model.interaction * CONVENTIONS[model.convention]
-    found = steady_distribution(flow_gradient("simple-shear"), model.shape_factor, diffusivity)
+    shear = flow_gradient("simple-shear")
+    if closure != DISTRIBUTION:
+        return steady_state(model, shear, named(closure)).angle
+    diffusivity = float(rotary_diffusivity(model, shear))
+    found = steady_distribution(shear, model.shape_factor, diffusivity)
     return float(angle_of(found.second()))
 
 
@@ -193,21 +205,14 @@ def _distribution(
 
     No closure is in it. It starts isotropic, or steady in the inlet's flow.
     """
-    from fibermelt.orientation.flows import (  # noqa: PLC0415  lazy: see the module
-        embedded,
-        shear_rate,
-        strain_and_spin,
-    )
+    from fibermelt.orientation.flows import embedded  # noqa: PLC0415  lazy: see the module
     from fibermelt.orientation.fokker_planck import (  # noqa: PLC0415
         follow_distribution,
         steady_distribution,
     )
-    from fibermelt.orientation.kinetics import CONVENTIONS  # noqa: PLC0415
 
     L = embedded(gradient)
-    rate = shear_rate(strain_and_spin(L)[0])
-    diffusivity = model.interaction * rate * CONVENTIONS[model.convention]
-    xi = model.shape_factor
+    diffusivity, xi = rotary_diffusivity(model, L), model.shape_factor
     steady = enters != "isotropic"
     initial = steady_distribution(L[0], xi, float(diffusivity[0])) if steady else None
     history = follow_distribution(time, L, xi, diffusivity, initial)
