@@ -42,11 +42,13 @@ DIFFERENCE = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 5.0
 """Factors of the step control; the exponent is 1/5, the estimate being of order ``h^5``."""
 
-SMALLEST_STEP = 2.0**-20
-"""Smallest part of an interval: a million steps in one mean a rate that is no longer smooth."""
+SMALLEST_STEP = 2.0**-40
+"""Smallest part of an interval: below it time hardly moves, and the rate is not smooth."""
 
+LARGEST_STRAIN = 1.0
+"""Bound of ``|L| dt`` over a step: a stage beyond could leave for numbers that overflow."""
 
-MOST_STEPS = 10_000
+MOST_STEPS = 4000
 """Steps and attempts in one interval: a solution slides along a jump of the rate (orthotropic fits
 jump where eigenvalues cross), or the interval is longer than any history's."""
 
@@ -115,6 +117,11 @@ class _Gradient:
         end = slopes[..., 1:, :, :] * step
         self.bend = 3.0 * rise - 2.0 * self.start - end
         self.twist = self.start + end - 2.0 * rise
+        points = np.linalg.norm(L, axis=(-2, -1))
+        slack = 0.25 * np.linalg.norm(np.abs(self.start) + np.abs(end), axis=(-2, -1))
+        size = (np.maximum(points[..., :-1], points[..., 1:]) + slack) * step[..., 0, 0]
+        self.strain: Array = size.reshape(-1, size.shape[-1]).max(axis=0)
+        """Bound of ``|L| dt`` over each interval, the largest of all histories, (n - 1,)."""
 
     def at(self, interval: int, u: float) -> Array:
         """Return ``L`` [1/s] at the fraction ``u`` of an interval, (..., 3, 3)."""
@@ -159,7 +166,7 @@ def follow_orientation(
     ConfigError
         If ``a0`` is no orientation tensor, or a tolerance is not positive.
     ConvergenceError
-        If a step would fall below 2^-20 of an interval, or an interval takes more than 10^4; the
+        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; the
         message has the time.
     """
     _check_tolerances(rtol, atol)
@@ -220,6 +227,8 @@ class _Run:
 
     def _over(self, k: int, a: Array, rate: Array, time: Array) -> tuple[Array, Array, Array]:
         """Return tensor and rate at the end of interval ``k``, and the error added on it."""
+        longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
+        self.step = min(self.step, longest)
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
         while u < 1.0:
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
@@ -234,7 +243,8 @@ class _Run:
                 self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)
                 continue
             factor = FASTEST if worst == 0.0 else min(FASTEST, SAFETY * worst**-0.2)
-            self.step = min(1.0, h * factor) if parts == 1.0 else min(1.0, h * max(1.0, factor))
+            # the last part of an interval may be short for no reason of accuracy
+            self.step = min(longest, max(self.step, h * factor) if factor >= 1.0 else h * factor)
             self.steps += 1
             a, rate, added = ended, last, added + np.max(np.abs(difference), axis=(-2, -1))
             u = 1.0 if parts == 1.0 else u + h
