@@ -119,6 +119,21 @@ def test_many_histories_and_tensors_at_once() -> None:
             assert np.max(np.abs(found.a[i, j] - one.a)) < 1e-7
 
 
+def test_between_uneven_points_a_quadratic_gradient_is_met_exactly() -> None:
+    def path(time: Array) -> tuple[Array, Array]:
+        shape = (1.0 + 0.8 * time - 0.3 * time**2)[:, None, None]
+        return time, shape * FLOWS["mixed"] + time[:, None, None] * FLOWS["biaxial"]
+
+    uneven = np.array([0.0, 0.1, 0.7, 0.9, 2.0, 2.2, 3.0])
+    ends = [
+        follow_orientation(
+            FolgarTucker(XI, 0.02), CLOSURES["ORE"], path(time), isotropic(), rtol=1e-9
+        ).a[-1]
+        for time in (uneven, np.linspace(0.0, 3.0, 61))
+    ]
+    assert np.max(np.abs(ends[1] - ends[0])) < 1e-8  # ten times the tolerance of a step
+
+
 def test_a_history_of_the_flow_is_a_path() -> None:
     found = follow_orientation(
         FolgarTucker(XI, 0.01), CLOSURES["ORE"], simple_shear(2.0, 3.0, 31), isotropic()
