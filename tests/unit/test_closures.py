@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
+from fibermelt.orientation.closure import CHUNK
 from fibermelt.orientation.closures import CLOSURES, closure
 from fibermelt.orientation.eigen import LAPACK_BATCH, eigenframe
 from fibermelt.orientation.tensors import (
@@ -21,7 +22,6 @@ from fibermelt.orientation.tensors import (
 )
 
 EVERY = pytest.mark.parametrize("name", CLOSURES)
-SYMMETRIC = [name for name, each in CLOSURES.items() if each.is_fully_symmetric]
 IN_FIBERORIPY = ["linear", "quadratic", "hybrid", "ORF", "ORW", "ORW3", "IBOF"]
 
 ROUNDING = 1e-12
@@ -102,6 +102,21 @@ def test_batches_broadcast(name):
     assert many.shape == (6, 5, 3, 3)
     assert np.allclose(many[0], law.contract_derivative(a[0], rates[0], TANGENTS), atol=1e-9)
     assert law.contract(a[0], rates).shape == (6, 3, 3)
+
+
+@pytest.mark.parametrize("name", ["hybrid", "ORE", "IBOF"])
+def test_large_batches_go_in_parts(name):
+    law, few = CLOSURES[name], ensemble(11, tensors=10)
+    rates = np.random.default_rng(12).normal(size=(10, 3, 3))
+    rates = rates + rates.swapaxes(-1, -2)
+    repeats = CHUNK // 10 + 2
+    many = np.tile(few, (repeats, 1, 1)).reshape(2, -1, 3, 3)
+    for rate in (RATE, np.tile(rates, (repeats, 1, 1)).reshape(2, -1, 3, 3)):
+        expected = law.contract(few, rate if rate.ndim == 2 else rates)
+        found = law.contract(many, rate)
+        assert found.shape == many.shape
+        last = found.reshape(-1, 10, 3, 3)[-1]
+        assert np.allclose(last, expected, atol=ROUNDING, rtol=0)
 
 
 @pytest.mark.parametrize("name", IN_FIBERORIPY)

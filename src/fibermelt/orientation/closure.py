@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 __all__ = ["Closure", "ClosureLaw"]
 
 Array = NDArray[np.float64]
+
+CHUNK = 2048
+"""Tensors contracted together: the dozen arrays of a closure then stay in the cache."""
 
 
 class ClosureLaw(Protocol):
@@ -111,7 +115,16 @@ class Closure:
         (..., 3, 3) array
             ``A:D`` in the units of D.
         """
-        return self.law.contract(a, D)
+        shape = np.broadcast_shapes(a.shape, D.shape)
+        if math.prod(shape[:-2]) <= CHUNK:
+            return self.law.contract(a, D)
+        flat = np.broadcast_to(a, shape).reshape(-1, 3, 3)
+        rates = None if D.ndim == 2 else np.broadcast_to(D, shape).reshape(-1, 3, 3)
+        result = np.empty(flat.shape)
+        for start in range(0, len(flat), CHUNK):
+            part = slice(start, start + CHUNK)
+            result[part] = self.law.contract(flat[part], D if rates is None else rates[part])
+        return result.reshape(shape)
 
     def contract_derivative(self, a: Array, D: Array, da: Array) -> Array:
         """Return the exact directional derivatives of ``contract`` with respect to a.

@@ -67,8 +67,8 @@ _ALL = (
         validity="exact for random and for perfectly aligned fibers, overstates alignment between",
     ),
     _fit("ORS", fit_tables.ORS, _CINTRA_TUCKER, "exact for random, planar random and aligned"),
-    _fit("ORF", fit_tables.ORF, _CINTRA_TUCKER, "fitted at moderate interaction, C_I near 1e-2"),
-    _fit("ORL", fit_tables.ORL, _CINTRA_TUCKER, "fitted at low interaction, C_I near 1e-3"),
+    _fit("ORF", fit_tables.ORF, _CINTRA_TUCKER, "fitted at moderate interaction"),
+    _fit("ORL", fit_tables.ORL, _CINTRA_TUCKER, "fitted at low interaction"),
     _fit("ORW", fit_tables.ORW, _CHUNG_KWON, "fitted over a wide range of interaction"),
     _fit("ORW3", fit_tables.ORW3, _CHUNG_KWON, "fitted over a wide range of interaction"),
     _fit(

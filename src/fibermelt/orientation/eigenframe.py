@@ -83,9 +83,13 @@ class EigenframeLaw:
         return _LINEAR.fourth(a) + H.reshape(*a.shape, 3, 3)
 
     def contract(self, a: Array, D: Array) -> Array:
-        """Return ``A:D``: in principal axes ``(H:D)_ij = 2 H_iijj D_ij``, and the diagonal."""
+        """Return ``A:D``: in principal axes ``(A:D)_ij = 2 A_iijj D_ij``, and the diagonal."""
         values, axes = eigenframe(a.reshape(-1, 3, 3))
         pairwise = _pairwise(_averaged(self.deviation, values))
+        # The linear closure's A_iijj, in the same axes, saves a second contraction.
+        pairwise += (values[:, :, None] + values[:, None, :]) / 7.0 - 1.0 / 35.0
+        for i in range(3):
+            pairwise[:, i, i] += 4.0 / 7.0 * values[:, i] - 2.0 / 35.0
         axes = axes.reshape(a.shape)
         rate = axes.swapaxes(-1, -2) @ D @ axes
         pairwise = pairwise.reshape(a.shape)
@@ -94,7 +98,8 @@ class EigenframeLaw:
         stretch = np.einsum("...ij,...j->...i", pairwise, diagonal)
         for i in range(3):
             inner[..., i, i] = stretch[..., i]
-        return _LINEAR.contract(a, D) + axes @ inner @ axes.swapaxes(-1, -2)
+        result: Array = axes @ inner @ axes.swapaxes(-1, -2)
+        return result
 
     def fourth_derivative(self, a: Array, da: Array) -> Array:
         """Return ``dA``: the eigenvalues' part and the axes' part."""

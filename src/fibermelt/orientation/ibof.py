@@ -60,7 +60,7 @@ _COEFFICIENTS = np.array([
 # fmt: on
 
 _FITTED = Bivariate(_TERMS, _COEFFICIENTS)
-"""beta_3, beta_4 and beta_6 as polynomials of the invariants (Chung and Kwon 2002, Table I)."""
+"""beta_3, beta_4 and beta_6 as polynomials of the invariants (Chung and Kwon 2002)."""
 
 
 _MIXED = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0))
@@ -77,7 +77,7 @@ _DEPENDENCE = Bivariate(_MIXED, np.array([
     [-6 / 5, 8 / 5, 0.0, 0.0, 0.0],  # beta_5 by beta_6
 ]))
 # fmt: on
-"""How beta_1, beta_2, beta_5 depend on the fitted three (Chung and Kwon 2002, Eq. 23-25)."""
+"""How beta_1, beta_2, beta_5 depend on the fitted three (Chung and Kwon 2002)."""
 
 _CONSTANT = np.array([-3.0 / 35.0, 6.0 / 7.0, 0.0])
 """What is left of beta_1, beta_2, beta_5 when the fitted three vanish: the linear closure."""

@@ -26,7 +26,7 @@ _ISOTROPIC_PAIR = symmetric_product(IDENTITY, IDENTITY)
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """``A = 6/7 S(I, a) - 3/35 S(I, I)`` (Hand 1962; Advani and Tucker 1987, Eq. 25).
+    """``A = 6/7 S(I, a) - 3/35 S(I, I)`` (Hand 1962; Advani and Tucker 1987).
 
     Exact for random orientation; what every fully symmetric, normalised A has in common: the rest
     has no trace over any two indices.

@@ -4,7 +4,7 @@
 
 is the average over all 24 orders of the indices when X and Y are symmetric. Every fully symmetric
 isotropic function of one tensor is a sum of such products (Smith's representation, as used by
-Chung and Kwon 2002, Eq. 12).
+Chung and Kwon 2002).
 """
 
 from __future__ import annotations
