@@ -8,14 +8,13 @@ where the interpolated gradient has kinks.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
-from fibermelt.orientation.flows import checked_gradient
+from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel
+from fibermelt.orientation.paths import FlowPath, GradientPath, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
 __all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
@@ -53,18 +52,6 @@ MOST_STEPS = 4000
 jump where eigenvalues cross), or the interval is longer than any history's."""
 
 
-class FlowPath(Protocol):
-    """What is needed of a path, or of many: a `fibermelt.FlowHistory`, or a bundle of them."""
-
-    @property
-    def time(self) -> Array:
-        """Time [s], (..., n), strictly increasing."""
-
-    @property
-    def gradient(self) -> Array:
-        """Velocity gradient [1/s], (..., n, 2, 2) or (..., n, 3, 3)."""
-
-
 @dataclass(frozen=True, eq=False)
 class OrientationHistory:
     """Orientation tensors along histories.
@@ -92,42 +79,6 @@ class OrientationHistory:
     trace_drift: Array
     steps: int
     rejected: int
-
-
-class _Gradient:
-    """Velocity gradient between the points: the cubic that the fibers are followed with.
-
-    Hermite's with the slopes of the parabola through a point and its neighbours: exact for
-    quadratics, fourth order over an interval.
-    """
-
-    def __init__(self, time: Array, L: Array) -> None:
-        step = np.diff(time, axis=-1)[..., None, None]
-        rise = np.diff(L, axis=-3)
-        slope = rise / step
-        before, after = step[..., :-1, :, :], step[..., 1:, :, :]
-        inner = (after * slope[..., :-1, :, :] + before * slope[..., 1:, :, :]) / (before + after)
-        first = last = slope[..., :1, :, :]
-        if slope.shape[-3] > 1:
-            first = 2.0 * first - inner[..., :1, :, :]
-            last = 2.0 * slope[..., -1:, :, :] - inner[..., -1:, :, :]
-        slopes = np.concatenate([first, inner, last], axis=-3)
-        self.left = L[..., :-1, :, :]
-        self.start = slopes[..., :-1, :, :] * step
-        end = slopes[..., 1:, :, :] * step
-        self.bend = 3.0 * rise - 2.0 * self.start - end
-        self.twist = self.start + end - 2.0 * rise
-        points = np.linalg.norm(L, axis=(-2, -1))
-        slack = 0.25 * np.linalg.norm(np.abs(self.start) + np.abs(end), axis=(-2, -1))
-        size = (np.maximum(points[..., :-1], points[..., 1:]) + slack) * step[..., 0, 0]
-        self.strain: Array = size.reshape(-1, size.shape[-1]).max(axis=0)
-        """Bound of ``|L| dt`` over each interval, the largest of all histories, (n - 1,)."""
-
-    def at(self, interval: int, u: float) -> Array:
-        """Return ``L`` [1/s] at the fraction ``u`` of an interval, (..., 3, 3)."""
-        k = (..., interval, slice(None), slice(None))
-        value: Array = self.left[k] + u * (self.start[k] + u * (self.bend[k] + u * self.twist[k]))
-        return value
 
 
 def follow_orientation(
@@ -170,7 +121,7 @@ def follow_orientation(
         message has the time.
     """
     _check_tolerances(rtol, atol)
-    time, L = _checked_history(history)
+    time, L = checked_history(history)
     start = checked_orientation(np.asarray(a0, dtype=np.float64), "a0")
     try:
         batch = np.broadcast_shapes(time.shape[:-1], start.shape[:-2])
@@ -180,7 +131,7 @@ def follow_orientation(
             "that broadcast, e.g. (m, 1) tensors and (k,) histories"
         )
         raise ConfigError(msg) from error
-    run = _Run(model, closure, _Gradient(time, L), np.diff(time, axis=-1), rtol, atol)
+    run = _Run(model, closure, GradientPath(time, L), np.diff(time, axis=-1), rtol, atol)
     return run.along(time, np.array(np.broadcast_to(start, (*batch, 3, 3))))
 
 
@@ -191,7 +142,7 @@ class _Run:
         self,
         model: OrientationModel,
         closure: ClosureLike,
-        gradient: _Gradient,
+        gradient: GradientPath,
         duration: Array,
         rtol: float,
         atol: float,
@@ -289,19 +240,3 @@ def _check_tolerances(rtol: float, atol: float) -> None:
         if not (np.isfinite(value) and value > 0.0):
             msg = f"{name} = {value:g}: must be positive, e.g. 1e-8"
             raise ConfigError(msg)
-
-
-def _checked_history(history: FlowPath | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
-    """Return times (..., n) and gradients (..., n, 3, 3) of equal leading axes."""
-    pair = history if isinstance(history, tuple) else (history.time, history.gradient)
-    time, L = np.asarray(pair[0], dtype=np.float64), checked_gradient(pair[1])
-    if time.ndim == 0 or time.shape[-1] < 2 or time.shape != L.shape[:-2]:
-        msg = (
-            f"orientation: time has shape {time.shape}, the gradient {L.shape}: expected (..., n) "
-            "and (..., n, d, d) with n at least 2"
-        )
-        raise HistoryError(msg)
-    if not np.all(np.isfinite(time)) or np.any(np.diff(time, axis=-1) <= 0.0):
-        msg = "orientation: time must be finite and increase strictly along every history"
-        raise HistoryError(msg)
-    return time, L
