@@ -50,8 +50,7 @@ LARGEST_CORRECTION, ALWAYS_FINE = 0.2, 1e-5
 bends more within a step may have been left for another."""
 
 CROSSING_STEP = 0.02
-"""Largest step over which the number of growing changes may differ: where it differs over any
-step a real bifurcation has been crossed, where it does not another branch was found."""
+"""Largest step over which the number of growing changes may differ: a bifurcation, not a jump."""
 
 EASY = 3
 """Newton steps up to which the next step in the diffusion is made longer."""
