@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import ModuleType
 from typing import Any
 
 import fiberoripy.orientation as reference
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from fibermelt import orientation
 from fibermelt.errors import ConfigError, HistoryError
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.flows import (
@@ -268,6 +270,15 @@ def test_names_lead_to_their_models() -> None:
     assert [model_class(model.name) for model in ALL] == [type(model) for model in ALL]
     assert len(MODELS) == len(ALL)
     assert shape_factor(6.0) == pytest.approx(35.0 / 37.0, rel=1e-15)
+
+
+def test_public_names_are_where_the_package_says() -> None:
+    for name in orientation.__all__:
+        assert not isinstance(getattr(orientation, name), ModuleType), name
+    assert dir(orientation) == sorted(orientation.__all__)
+    assert orientation.shape_factor is shape_factor
+    with pytest.raises(AttributeError, match="no attribute 'closures_'"):
+        _ = orientation.closures_
 
 
 def test_flows_have_the_rates_their_table_says() -> None:

@@ -8,14 +8,13 @@ where the interpolated gradient has kinks.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
-from fibermelt.orientation.flows import checked_gradient
+from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel
+from fibermelt.orientation.paths import FlowPath, GradientPath, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
 __all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
@@ -42,25 +41,15 @@ DIFFERENCE = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 5.0
 """Factors of the step control; the exponent is 1/5, the estimate being of order ``h^5``."""
 
-SMALLEST_STEP = 2.0**-20
-"""Smallest part of an interval: a million steps in one mean a rate that is no longer smooth."""
+SMALLEST_STEP = 2.0**-40
+"""Smallest part of an interval: below it time hardly moves, and the rate is not smooth."""
 
+LARGEST_STRAIN = 1.0
+"""Bound of ``|L| dt`` over a step: a stage beyond could leave for numbers that overflow."""
 
-MOST_STEPS = 10_000
+MOST_STEPS = 4000
 """Steps and attempts in one interval: a solution slides along a jump of the rate (orthotropic fits
 jump where eigenvalues cross), or the interval is longer than any history's."""
-
-
-class FlowPath(Protocol):
-    """What is needed of a path, or of many: a `fibermelt.FlowHistory`, or a bundle of them."""
-
-    @property
-    def time(self) -> Array:
-        """Time [s], (..., n), strictly increasing."""
-
-    @property
-    def gradient(self) -> Array:
-        """Velocity gradient [1/s], (..., n, 2, 2) or (..., n, 3, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,37 +79,6 @@ class OrientationHistory:
     trace_drift: Array
     steps: int
     rejected: int
-
-
-class _Gradient:
-    """Velocity gradient between the points: the cubic that the fibers are followed with.
-
-    Hermite's with the slopes of the parabola through a point and its neighbours: exact for
-    quadratics, fourth order over an interval.
-    """
-
-    def __init__(self, time: Array, L: Array) -> None:
-        step = np.diff(time, axis=-1)[..., None, None]
-        rise = np.diff(L, axis=-3)
-        slope = rise / step
-        before, after = step[..., :-1, :, :], step[..., 1:, :, :]
-        inner = (after * slope[..., :-1, :, :] + before * slope[..., 1:, :, :]) / (before + after)
-        first = last = slope[..., :1, :, :]
-        if slope.shape[-3] > 1:
-            first = 2.0 * first - inner[..., :1, :, :]
-            last = 2.0 * slope[..., -1:, :, :] - inner[..., -1:, :, :]
-        slopes = np.concatenate([first, inner, last], axis=-3)
-        self.left = L[..., :-1, :, :]
-        self.start = slopes[..., :-1, :, :] * step
-        end = slopes[..., 1:, :, :] * step
-        self.bend = 3.0 * rise - 2.0 * self.start - end
-        self.twist = self.start + end - 2.0 * rise
-
-    def at(self, interval: int, u: float) -> Array:
-        """Return ``L`` [1/s] at the fraction ``u`` of an interval, (..., 3, 3)."""
-        k = (..., interval, slice(None), slice(None))
-        value: Array = self.left[k] + u * (self.start[k] + u * (self.bend[k] + u * self.twist[k]))
-        return value
 
 
 def follow_orientation(
@@ -159,11 +117,11 @@ def follow_orientation(
     ConfigError
         If ``a0`` is no orientation tensor, or a tolerance is not positive.
     ConvergenceError
-        If a step would fall below 2^-20 of an interval, or an interval takes more than 10^4; the
+        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; the
         message has the time.
     """
     _check_tolerances(rtol, atol)
-    time, L = _checked_history(history)
+    time, L = checked_history(history)
     start = checked_orientation(np.asarray(a0, dtype=np.float64), "a0")
     try:
         batch = np.broadcast_shapes(time.shape[:-1], start.shape[:-2])
@@ -173,7 +131,7 @@ def follow_orientation(
             "that broadcast, e.g. (m, 1) tensors and (k,) histories"
         )
         raise ConfigError(msg) from error
-    run = _Run(model, closure, _Gradient(time, L), np.diff(time, axis=-1), rtol, atol)
+    run = _Run(model, closure, GradientPath(time, L), np.diff(time, axis=-1), rtol, atol)
     return run.along(time, np.array(np.broadcast_to(start, (*batch, 3, 3))))
 
 
@@ -184,7 +142,7 @@ class _Run:
         self,
         model: OrientationModel,
         closure: ClosureLike,
-        gradient: _Gradient,
+        gradient: GradientPath,
         duration: Array,
         rtol: float,
         atol: float,
@@ -220,6 +178,8 @@ class _Run:
 
     def _over(self, k: int, a: Array, rate: Array, time: Array) -> tuple[Array, Array, Array]:
         """Return tensor and rate at the end of interval ``k``, and the error added on it."""
+        longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
+        self.step = min(self.step, longest)
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
         while u < 1.0:
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
@@ -234,7 +194,8 @@ class _Run:
                 self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)
                 continue
             factor = FASTEST if worst == 0.0 else min(FASTEST, SAFETY * worst**-0.2)
-            self.step = min(1.0, h * factor) if parts == 1.0 else min(1.0, h * max(1.0, factor))
+            # the last part of an interval may be short for no reason of accuracy
+            self.step = min(longest, max(self.step, h * factor) if factor >= 1.0 else h * factor)
             self.steps += 1
             a, rate, added = ended, last, added + np.max(np.abs(difference), axis=(-2, -1))
             u = 1.0 if parts == 1.0 else u + h
@@ -279,19 +240,3 @@ def _check_tolerances(rtol: float, atol: float) -> None:
         if not (np.isfinite(value) and value > 0.0):
             msg = f"{name} = {value:g}: must be positive, e.g. 1e-8"
             raise ConfigError(msg)
-
-
-def _checked_history(history: FlowPath | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
-    """Return times (..., n) and gradients (..., n, 3, 3) of equal leading axes."""
-    pair = history if isinstance(history, tuple) else (history.time, history.gradient)
-    time, L = np.asarray(pair[0], dtype=np.float64), checked_gradient(pair[1])
-    if time.ndim == 0 or time.shape[-1] < 2 or time.shape != L.shape[:-2]:
-        msg = (
-            f"orientation: time has shape {time.shape}, the gradient {L.shape}: expected (..., n) "
-            "and (..., n, d, d) with n at least 2"
-        )
-        raise HistoryError(msg)
-    if not np.all(np.isfinite(time)) or np.any(np.diff(time, axis=-1) <= 0.0):
-        msg = "orientation: time must be finite and increase strictly along every history"
-        raise HistoryError(msg)
-    return time, L

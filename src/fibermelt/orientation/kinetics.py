@@ -123,9 +123,11 @@ class OrientationModel(ABC):
         a, L = np.broadcast_arrays(a, L)
         D, W = strain_and_spin(L)
         whole = self._unretarded(a, D, W, closure)
-        if self.retardation == 1.0:
-            return whole
-        return whole - (1.0 - self.retardation) * pinched(PrincipalFrame.of(a, D), whole)
+        if self.retardation != 1.0:
+            whole = whole - (1.0 - self.retardation) * pinched(PrincipalFrame.of(a, D), whole)
+        # symmetric to the last bit: no law holds a skew part down, over long times rounding grows
+        symmetric: Array = 0.5 * (whole + whole.swapaxes(-1, -2))
+        return symmetric
 
     def derivative(self, a: Array, L: Array, closure: ClosureLike, da: Array) -> Array:
         """Return the derivatives of ``a_dot`` along ``da`` [1/s], (..., k, 3, 3).

@@ -34,7 +34,7 @@ RESIDUAL_TOLERANCE = 1e-12
 """Largest ``|a_dot|/gamma_dot`` of a steady state: a few hundred roundings of terms of order 1."""
 
 ON_THE_WAY = 1e-6
-"""The same for the states on the way, which only predict the next."""
+"""The same for states that only predict the next."""
 
 MOST_ITERATIONS = 10
 """Newton steps at one diffusion: quadratic from a good prediction, 3 or 4 are usual."""
@@ -50,8 +50,7 @@ LARGEST_CORRECTION, ALWAYS_FINE = 0.2, 1e-5
 bends more within a step may have been left for another."""
 
 CROSSING_STEP = 0.02
-"""Largest step over which the number of growing changes may differ: where it differs over any
-step a real bifurcation has been crossed, where it does not another branch was found."""
+"""Largest step over which the number of growing changes may differ: a bifurcation, not a jump."""
 
 EASY = 3
 """Newton steps up to which the next step in the diffusion is made longer."""
@@ -208,9 +207,9 @@ def steady_state(
         found = problem.newton(problem.model, pack(first), RESIDUAL_TOLERANCE)
         if found is None:
             msg = (
-                f"steady state of {model.name} with closure {closure.name}, {_strength(model)}: "
-                f"Newton does not reach {RESIDUAL_TOLERANCE:g} in {MOST_ITERATIONS} steps from the "
-                "start given: leave it out, or give one that is nearer"
+                f"steady state of {model.name} with closure {closure.name}, "
+                f"C_I = {model.strength:.4g}: Newton does not reach {RESIDUAL_TOLERANCE:g} in "
+                f"{MOST_ITERATIONS} steps from the start given: leave it out, or give a nearer one"
             )
             raise ConvergenceError(msg)
         point, steps = found, 0
@@ -292,14 +291,10 @@ def _described(
     )
 
 
-def _strength(model: OrientationModel) -> str:
-    return f"C_I = {model.strength:.4g}"
-
-
 def _no_branch(problem: _Problem, reached: OrientationModel, v: Array) -> str:
-    values = ", ".join(f"{value:.4g}" for value in principal(unpack(v))[0])
+    model, values = problem.model, ", ".join(f"{x:.4g}" for x in principal(unpack(v))[0])
     return (
-        f"steady state of {problem.model.name} with closure {problem.closure.name}: the branch of "
-        f"states from isotropy ends at {_strength(reached)} with eigenvalues {values}, before "
-        f"{_strength(problem.model)}: take more interaction or another closure, or give start"
+        f"steady state of {model.name} with closure {problem.closure.name}: the branch from "
+        f"isotropy ends at C_I = {reached.strength:.4g} with eigenvalues {values}, before C_I = "
+        f"{model.strength:.4g}: take more interaction or another closure, or give start"
     )
