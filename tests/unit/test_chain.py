@@ -42,7 +42,7 @@ def test_stages_come_after_their_inputs():
         ("fiber.aspect_ratio", {stage.name for stage in CHAIN.stages} - {"flow", "streamlines"}),
         ("interaction.volume_fraction", {"content", "orientation"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion"}),
+        ("fiber.initial_angles", {"motion", "dimensions"}),
         ("numerics.isotropic_angles", {"motion"}),
     ],
 )

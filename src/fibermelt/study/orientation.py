@@ -173,8 +173,8 @@ def _model(study: OrientationStudy) -> OrientationModel:
     names = [one.name for one in fields(kind)]
     if "interaction" not in names:
         msg = (
-            f"--model {study.model}: has not one C_I: take another, such as folgar-tucker, or use it "
-            "in Python (fibermelt.orientation.models)"
+            f"--model {study.model}: has not one C_I: take folgar-tucker or another, or use "
+            "it in Python (fibermelt.orientation.models)"
         )
         raise ConfigError(msg)
     own = [one for one in fields(kind) if one.name not in SHAPE]
