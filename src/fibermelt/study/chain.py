@@ -121,6 +121,6 @@ CHAIN = Chain(
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
-    version=1,
+    version=2,
 )
 """What `fibermelt run` goes through, as far as a study asks for it."""
