@@ -185,7 +185,7 @@ def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: flo
     rate, _, start = checked_shear(shear_rate, 1.0, angle)
     if not shape_factor > -1.0:
         msg = (
-            f"shape_factor = {shape_factor:g}: must be above -1, that of a plate without thickness"
+            f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
         )
         raise ConfigError(msg)
     if shape_factor < 1.0:
