@@ -12,19 +12,19 @@ from matplotlib.figure import Figure
 from fibermelt.fiber.models import unbounded_model
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.surroundings import surroundings
-from fibermelt.report.around import read_instant
-from fibermelt.report.extremes import EXTREMES, extremes_words, figure_extremes
-from fibermelt.report.history import figure_history, history_words
-from fibermelt.report.lines import features, regular
-from fibermelt.report.orientation import (
+from fibermelt.report.alignment import (
     STARTS,
-    figure_orientation,
+    figure_alignment,
     isotropic_angles,
     within_quarter_turn,
 )
+from fibermelt.report.extremes import EXTREMES, extremes_words, figure_extremes
+from fibermelt.report.history import figure_history, history_words
+from fibermelt.report.lines import features, regular
 from fibermelt.report.positions import figure_positions, worst_places
 from fibermelt.report.profiles import figure_profiles, relative_angle
 from fibermelt.report.spread import MEAN, MEDIAN
+from fibermelt.report.surroundings import read_instant
 from fibermelt.report.timeline import on_fibers
 
 ROUNDING = 1e-12
@@ -168,7 +168,7 @@ def test_bands_of_all_starts_are_exact(results: xr.Dataset) -> None:
     when = float(results["zone_time"][0, 2])
     even = np.pi * (np.arange(STARTS) + 0.5) / STARTS
     exact = np.degrees(within_quarter_turn(sheared(even, np.array(when))))
-    axes = _panels(figure_orientation(results))[2]
+    axes = _panels(figure_alignment(results))[2]
     for band, share in zip(axes.collections, (0.9, 0.5), strict=True):
         at = band.get_paths()[0].vertices
         inner = at[at[:, 0] == 10, 1]
@@ -248,5 +248,5 @@ def test_fibers_in_space_are_drawn() -> None:
     )
     assert "out of the plane" in history_words(space).caption
     assert "out of the plane" not in history_words(flat).caption
-    for draw in (figure_history, figure_profiles, figure_orientation):
+    for draw in (figure_history, figure_profiles, figure_alignment):
         assert draw(space).axes

@@ -1,154 +1,140 @@
-"""What surrounds a fiber, to be drawn: its outline, and fields on the net of its cell.
-
-Lengths are in units of the half-length, in the flow's axes around the fiber's centre.
-"""
+"""Pressure around fibers of several aspect ratios at the angle where it is lowest (Fig. 11)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
-from matplotlib.tri import Triangulation, TriContourSet
 
-from fibermelt.report.drawing import plain
-from fibermelt.report.style import INK, Array
+from fibermelt.report.drawing import frame, scene_axes
+from fibermelt.report.scene import Window
+from fibermelt.report.style import (
+    ATMOSPHERE,
+    INK,
+    Array,
+    Words,
+    add_axes,
+    color_bar,
+    letter,
+    new_figure,
+    round_up,
+    styled,
+)
+from fibermelt.report.surroundings import FIBER
+from fibermelt.report.turns import COLUMN, KPA, cell_name
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LEVELS", "Instant", "draw_contours", "draw_fiber", "net", "read_instant", "rotation"]
+__all__ = ["around_words", "figure_around"]
 
-FIBER = "#f4ead2"
+LEVELS = np.array([0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.65, 1.0])
+"""Isobars over the pressure scale's end: closer where it is low, as it is in most of the melt."""
 
-ROUGH = 1e-3
-"""Isobars are true to this, in half-lengths: a few hundredths of a millimetre on paper."""
+SIDE, STEP = 41.0, 46.5
+"""Side of a panel, and from one row of panels to the next [mm]."""
 
-_PARTS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
-LEVELS = np.r_[-_PARTS[:0:-1], _PARTS]
-"""Isobars over the pressure scale's end: closer where it is low, as it is in most of the cell."""
-
-
-def rotation(angle: float) -> Array:
-    """Return the matrix that turns the fiber's axes to the flow's."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin], [sin, cos]])
+FOOT = 13.0
+"""Room of the colour bar [mm]."""
 
 
-def net(results: xr.Dataset, angle: float = 0.0) -> Triangulation:
-    """Return the triangles around a fiber at an angle."""
-    points = results["cell_point"].to_numpy() @ rotation(angle).T
-    return Triangulation(points[:, 0], points[:, 1], results["cell_triangle"].to_numpy())
+@styled
+def figure_around(results: xr.Dataset) -> Figure:
+    """Draw the pressure near each fiber, in the axes of the flow, all on one scale."""
+    count = results.sizes["ratio"]
+    rows = math.ceil(count / 2)
+    figure = new_figure(COLUMN, FOOT + STEP * rows + 1)
+    end = round_up(-KPA * float(results["near_pressure"].min()))
+    levels = end * np.r_[-LEVELS[:0:-1], LEVELS]
+    # the net's outermost ring is a circle, the window the square in it
+    outer = results["near_point"].isel(ring=-1).to_numpy()
+    half = float(np.hypot(outer[..., 0], outer[..., 1]).min()) / math.sqrt(2.0)
+    for k in range(count):
+        left = 2.5 + (SIDE + 3.0) * (k % 2)
+        bottom = FOOT + STEP * (rows - 1 - k // 2)
+        axes = scene_axes(figure, left, bottom, SIDE, Window(-half, half, -half, half))
+        field = _panel(axes, results, k, levels)
+        frame(axes)
+        ratio, angle = float(results["ratio"][k]), math.degrees(float(results["near_angle"][k]))
+        low = KPA * float(results["near_pressure"][k].min())
+        turned = f"θ = {angle:.0f}°" if ratio > 1.0 else "any θ"
+        letter(axes, f"$r_e$ = {ratio:g},  {turned},  {low:.2f} kPa".replace("-", "−"))
+    if count % 2:
+        _shear(scene_axes(figure, 5.5 + SIDE, FOOT, SIDE, Window(-half, half, -half, half)))
+    bar = color_bar(field, add_axes(figure, 6, 8.5, COLUMN - 12, 2.2), r"$p - p_\infty$ [kPa]")
+    bar.set_ticks([*levels][::2])
+    bar.ax.set_xticklabels([f"{value:.3g}".replace("-", "−") for value in levels[::2]])
+    return figure
 
 
-def draw_fiber(axes: Axes, results: xr.Dataset, angle: float = 0.0) -> None:
-    """Draw the fiber itself."""
-    s = results["surface_angle"].to_numpy()
-    rim = np.stack([np.cos(s), np.sin(s) / float(results["aspect_ratio"])], axis=-1)
-    axes.add_patch(
-        Polygon(rim @ rotation(angle).T, facecolor=FIBER, edgecolor=INK, linewidth=0.8, zorder=4)
-    )
+def _lab(results: xr.Dataset, k: int) -> Array:
+    """Return a net in the axes of the flow, closed around."""
+    angle = float(results["near_angle"][k])
+    cos, sin = math.cos(angle), math.sin(angle)
+    points = results["near_point"][k].to_numpy() @ np.array([[cos, sin], [-sin, cos]])
+    closed: Array = np.concatenate([points, points[:, :1]], axis=1)
+    return closed
 
 
-def draw_contours(
-    axes: Axes, triangles: Triangulation, values: Array, levels: Array, cmap: str
-) -> TriContourSet:
-    """Draw a field around a fiber as evenly coloured areas between levels."""
-    field = axes.tricontourf(
-        triangles,
-        values,
+def _panel(axes: Axes, results: xr.Dataset, k: int, levels: Array) -> QuadContourSet:
+    """Draw one fiber, the pressure around it, and where on it that is lowest."""
+    net = _lab(results, k)
+    pressure = KPA * results["near_pressure"][k].to_numpy()
+    field = axes.contourf(
+        net[..., 0],
+        net[..., 1],
+        np.concatenate([pressure, pressure[:, :1]], axis=1),
         levels=levels,
         norm=BoundaryNorm(levels, 256, extend="both"),
-        cmap=cmap,
+        cmap=ATMOSPHERE,
         extend="both",
         zorder=1,
     )
-    field.set_paths([plain(path, ROUGH) for path in field.get_paths()])
-    # Edges of the areas' own colour, without which the paper would shine through between them.
-    field.set_edgecolor("face")
-    field.set_linewidth(0.4)
+    axes.add_patch(Polygon(net[0], facecolor=FIBER, edgecolor=INK, linewidth=0.6, zorder=4))
+    lowest = net[0, int(np.argmin(pressure[0]))]
+    for side in (1.0, -1.0):
+        axes.plot(
+            *(side * lowest), "o", mfc="none", mec=INK, markersize=5, markeredgewidth=0.8, zorder=5
+        )
     return field
 
 
-@dataclass(frozen=True, eq=False)
-class Instant:
-    """The flow around one fiber at one instant, by superposition of the cell's two flows.
-
-    In the fiber's axes, with ``D`` and ``w = (L_21 - L_12)/2`` of the melt there,
-    ``v = v_psi + a (D_11 U_1 + D_12 U_2 + w (-y, x))``, ``p = p_psi + mu (D_11 P_1 + D_12 P_2)``:
-    the fiber moves with the melt and turns at ``w + B D_12``.
-
-    Parameters
-    ----------
-    time : float
-        When [s].
-    angle : float
-        Of the fiber from the x axis [rad].
-    elevation : float
-        Of the fiber out of the plane of the flow [rad]; what is drawn is in the plane.
-    own : float
-        The melt's own pressure [Pa].
-    melt : (2,) array
-        Velocity of the melt, and so of the fiber's centre [m/s].
-    around : (cell_node, 2) array
-        Velocity less that of the fiber's centre, along the flow's axes [m/s].
-    pressure : (cell_node,) array
-        Pressure less the melt's own [Pa].
-    """
-
-    time: float
-    angle: float
-    elevation: float
-    own: float
-    melt: Array
-    around: Array
-    pressure: Array
-
-    @property
-    def speed(self) -> Array:
-        """Return the magnitude of the velocity, the centre's included [m/s]."""
-        speed: Array = np.hypot(*(self.around + self.melt).T)
-        return speed
+def _shear(axes: Axes) -> None:
+    """Show the far field and the mark in the place that an odd number of panels leaves."""
+    axes.set_axis_off()
+    for y in (-0.9, -0.45, 0.45, 0.9):
+        axes.annotate(
+            "",
+            (y, y),
+            xytext=(0.0, y),
+            arrowprops={"arrowstyle": "-|>", "linewidth": 0.9, "color": INK},
+        )
+    axes.plot([0.0, 0.0], [-1.0, 1.0], color=INK, linewidth=0.6)
+    axes.text(0.0, 1.25, r"$u_x = \dot\gamma\,y$", ha="center", va="center")
+    axes.text(0.0, -1.3, "circles: lowest pressure", ha="center", va="center")
 
 
-def read_instant(
-    results: xr.Dataset, row: int, fiber: int, point: int, half_length: float, viscosity: float
-) -> Instant:
-    """Superpose the flow around a fiber.
-
-    Parameters
-    ----------
-    results : xarray.Dataset
-        The results.
-    row, fiber, point : int
-        Places of the streamline, of the initial angle, and of the point of the streamline.
-    half_length : float
-        Of the fiber [m].
-    viscosity : float
-        Of the melt [Pa s].
-    """
-
-    def there(name: str) -> Array:
-        values: Array = results[name].to_numpy()[row]
-        return values
-
-    angle = float(there("angle")[fiber, point])
-    turn = rotation(angle)
-    L = turn.T @ there("gradient")[point] @ turn
-    strain = np.array([0.5 * (L[0, 0] - L[1, 1]), 0.5 * (L[0, 1] + L[1, 0])])
-    spin = 0.5 * (L[1, 0] - L[0, 1])
-    place = results["cell_point"].to_numpy()
-    local = np.einsum("nmi,m->ni", results["cell_velocity"].to_numpy(), strain)
-    local += spin * np.stack([-place[:, 1], place[:, 0]], axis=-1)
-    return Instant(
-        time=float(there("time")[point]),
-        angle=angle,
-        elevation=float(there("elevation")[fiber, point]) if "elevation" in results else 0.0,
-        own=float(there("pressure")[point]),
-        melt=np.array([there("u")[point], there("v")[point]]),
-        around=half_length * local @ turn.T,
-        pressure=viscosity * results["cell_pressure"].to_numpy() @ strain,
+def around_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_around`."""
+    lows = KPA * results["near_pressure"].min(dim=("ring", "ray")).to_numpy()
+    ratios = results["ratio"].to_numpy()
+    told = ", ".join(f"{low:.2f} kPa at {ratio:g}" for low, ratio in zip(lows, ratios, strict=True))
+    return Words(
+        caption=(
+            "Pressure around fibers of several aspect ratios in simple shear (to the right above "
+            "the fiber), less the far field's, each at the angle from the flow at which the "
+            f"pressure on it is lowest. In {cell_name(results)}; one scale for all. Circles: where "
+            "on the surface it is lowest. A circular fiber sees the same at every angle."
+        ),
+        alt=(
+            f"{len(ratios)} panels, each with an ellipse and the pressure around it. Low pressure "
+            "sits at the two ends that point along the stretching direction, high pressure on the "
+            f"flanks. The lowest by aspect ratio: {told}."
+        ),
     )

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.tri import TriContourSet
 
-from fibermelt.report.around import LEVELS, draw_contours, draw_fiber, net, rotation
 from fibermelt.report.drawing import curves, frame, scene_axes
 from fibermelt.report.scene import Window
 from fibermelt.report.style import (
@@ -28,6 +27,7 @@ from fibermelt.report.style import (
     round_up,
     styled,
 )
+from fibermelt.report.surroundings import LEVELS, draw_contours, draw_fiber, net, rotation
 
 if TYPE_CHECKING:
     import xarray as xr

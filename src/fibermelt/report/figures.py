@@ -6,58 +6,28 @@ results give the same bytes with the same version of matplotlib.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from matplotlib.figure import Figure
-
+from fibermelt.report.alignment import alignment_words, figure_alignment
 from fibermelt.report.along import along_words, figure_along
 from fibermelt.report.cell import cell_words, figure_cell
 from fibermelt.report.domain import domain_words, figure_domain
 from fibermelt.report.extremes import extremes_words, figure_extremes
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
-from fibermelt.report.orientation import figure_orientation, orientation_words
 from fibermelt.report.overview import figure_overview, overview_words
+from fibermelt.report.plates import Plate
 from fibermelt.report.positions import figure_positions, positions_words
 from fibermelt.report.profiles import figure_profiles, profiles_words
+from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
-from fibermelt.report.style import Words, save
+from fibermelt.report.style import save
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FIGURES", "Plate", "draw_figures"]
-
-
-@dataclass(frozen=True)
-class Plate:
-    """A figure of the report.
-
-    Parameters
-    ----------
-    name : str
-        Name of its files, without suffix.
-    title : str
-        What it is, in a few words.
-    draw : callable
-        From the results to the figure.
-    words : callable
-        From the results to caption and alternative text.
-    needs : str
-        A variable that only the results of its part of a study have.
-    paper : str
-        Which figure of the paper it stands for, such as ``Fig. 16``; empty if for none.
-    """
-
-    name: str
-    title: str
-    draw: Callable[[xr.Dataset], Figure]
-    words: Callable[[xr.Dataset], Words]
-    needs: str = "extreme"
-    paper: str = ""
+__all__ = ["FIGURES", "draw_figures"]
 
 
 FIGURES = (
@@ -109,12 +79,14 @@ FIGURES = (
         paper="Fig. 19",
     ),
     Plate(
-        "orientation",
+        "alignment",
         "Orientation at the zones",
-        figure_orientation,
-        orientation_words,
+        figure_alignment,
+        alignment_words,
         paper="Fig. 20",
     ),
+    *ORBIT_FIGURES,
+    *DIMENSION_FIGURES,
 )
 """The figures in the order of a report."""
 

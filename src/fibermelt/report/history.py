@@ -12,15 +12,6 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import LinearTriInterpolator
 
-from fibermelt.report.around import (
-    LEVELS,
-    Instant,
-    draw_contours,
-    draw_fiber,
-    net,
-    read_instant,
-    rotation,
-)
 from fibermelt.report.drawing import scene_axes
 from fibermelt.report.lines import against_paper, center_feature, study_of
 from fibermelt.report.scene import MM, MPA, Window
@@ -39,6 +30,15 @@ from fibermelt.report.style import (
     new_figure,
     round_up,
     styled,
+)
+from fibermelt.report.surroundings import (
+    LEVELS,
+    Instant,
+    draw_contours,
+    draw_fiber,
+    net,
+    read_instant,
+    rotation,
 )
 from fibermelt.report.timeline import SIDES, Side, draw_bound, draw_own, mark_zones, on_fibers, span
 

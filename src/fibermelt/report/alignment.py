@@ -26,7 +26,7 @@ from fibermelt.report.style import (
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_orientation", "isotropic_angles", "orientation_words", "within_quarter_turn"]
+__all__ = ["alignment_words", "figure_alignment", "isotropic_angles", "within_quarter_turn"]
 
 STARTS = 3600
 """Evenly spread starts that stand for all: a twentieth of a degree apart."""
@@ -87,7 +87,7 @@ def _zone_angles(results: xr.Dataset, zone: int) -> Array:
 
 
 @styled
-def figure_orientation(results: xr.Dataset) -> Figure:
+def figure_alignment(results: xr.Dataset) -> Figure:
     """Draw the angle to the streamline by streamline, at the three zones."""
     figure = new_figure(FULL, 82)
     number, start = results["streamline"].to_numpy(), results["initial_angle"].to_numpy()
@@ -126,8 +126,8 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
     return [mean, fibers, *bands, near]
 
 
-def orientation_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_orientation`."""
+def alignment_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_alignment`."""
     steady = regular(results)
     told = []
     for zone in range(len(ZONES)):

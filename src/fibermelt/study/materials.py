@@ -1,0 +1,298 @@
+"""Material cards: what is known of a melt for voids, with the source of every value.
+
+A card is a TOML file. Each value is a table of its own that says where it comes from::
+
+    [surface]
+    tension = { value = "38.5 mN/m", source = "..." }                 # read in a source
+    slope = { value = "-0.07 mN/(m K)", estimate = "most polymers" }  # or estimated, and on what
+
+A key that is left out is a hole: the card says which results it cannot give.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from fibermelt.errors import ConfigError, legible
+from fibermelt.study.material_values import (
+    CardValues,
+    DiffusionValues,
+    IsothermValues,
+    SolutionValues,
+    SurfaceValues,
+)
+from fibermelt.study.parameters import (
+    BOUNDS,
+    Declaration,
+    declarations,
+    excerpt,
+    flatten,
+)
+from fibermelt.voids.diffusion import Arrhenius
+from fibermelt.voids.han import HanConstants
+from fibermelt.voids.melt import VolatileMelt
+from fibermelt.voids.surface_tension import LinearTension
+from fibermelt.voids.vapor import ActivityLaw, Isotherm
+
+__all__ = ["Card", "Provenance", "load_card", "material_names"]
+
+_LONGEST_PATH = 200
+_RANGE_FAULTS = dict(
+    zip(("greater_than", "greater_than_equal", "less_than", "less_than_equal"), BOUNDS, strict=True)
+)
+"""What pydantic calls a broken bound, in the order of `BOUNDS`."""
+
+
+_NEEDED = ("melt.density", "melt.temperature", "melt.coldest", "melt.hottest")
+"""Keys that no card can do without."""
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a value comes from.
+
+    Parameters
+    ----------
+    written : str or float
+        The value as the card has it, with its unit.
+    text : str
+        The source, or what an estimate is based on.
+    is_estimate : bool
+        Whether nobody measured it for this material at this temperature.
+    """
+
+    written: str | float
+    text: str
+    is_estimate: bool
+
+
+@dataclass(frozen=True)
+class Card:
+    """A material card, read and checked.
+
+    Parameters
+    ----------
+    key : str
+        By what it was asked for: ``"abs-cf13"`` or a path.
+    name : str
+        What the material is called.
+    melt : VolatileMelt
+        Its laws, in SI; what is missing in it is in ``melt.gaps``.
+    temperature : float
+        Temperature of printing [K].
+    moisture : float or None
+        As received [-]; None where the card does not say.
+    provenance : mapping
+        Where each value comes from, by its key: ``{"surface.tension": ...}``.
+    """
+
+    key: str
+    name: str
+    melt: VolatileMelt
+    temperature: float
+    moisture: float | None
+    provenance: Mapping[str, Provenance]
+
+    @property
+    def estimates(self) -> list[str]:
+        """Return the keys of the values that are estimates."""
+        return [key for key, where in self.provenance.items() if where.is_estimate]
+
+
+def material_names() -> list[str]:
+    """Return the names of the cards that ship with the package."""
+    shipped = files("fibermelt").joinpath("data", "materials").iterdir()
+    return sorted(e.name.removesuffix(".toml") for e in shipped if e.name.endswith(".toml"))
+
+
+def load_card(material: str) -> Card:
+    """Return a material card.
+
+    Parameters
+    ----------
+    material : str
+        The name of a shipped card, such as ``"abs-cf13"``, or the path of a TOML file.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such card, it is not TOML, or a value is wrong or has no source; one line
+        for each fault, that names the key, the value, the bound and the way out.
+    """
+    tables = _read(material)
+    name = tables.pop("name", None)
+    shown = legible(material, _LONGEST_PATH)
+    if not isinstance(name, str) or not name:
+        msg = f'{shown}: name: missing; write what the material is called, name = "PLA"'
+        raise ConfigError(msg)
+    values, provenance = _split(tables, shown)
+    try:
+        card = CardValues.model_validate(values)
+    except ValidationError as error:
+        raise ConfigError(_explain(error, values, shown)) from None
+    lacking = [key for key in _NEEDED if key not in provenance]
+    if lacking:
+        msg = f"{shown}: {', '.join(lacking)}: missing; no card can do without"
+        raise ConfigError(msg)
+    melt = card.melt
+    if not melt.coldest <= melt.temperature <= melt.hottest:
+        written = provenance["melt.temperature"].written
+        msg = (
+            f"{shown}: melt.temperature = {written}: must lie between melt.coldest, "
+            f"{provenance['melt.coldest'].written}, and melt.hottest, "
+            f"{provenance['melt.hottest'].written}"
+        )
+        raise ConfigError(msg)
+    return Card(
+        key=material,
+        name=name,
+        melt=_melt(name, card),
+        temperature=melt.temperature,
+        moisture=melt.moisture,
+        provenance=provenance,
+    )
+
+
+def _read(material: str) -> dict[str, Any]:
+    """Return the tables of a shipped card, or of a file."""
+    shown, shipped = legible(material, _LONGEST_PATH), material_names()
+    try:
+        if material in shipped:
+            file = files("fibermelt").joinpath("data", "materials", f"{material}.toml")
+            return tomllib.loads(file.read_text(encoding="utf-8"))
+        return tomllib.loads(Path(material).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        nearest = get_close_matches(material, shipped, n=1)
+        guess = f"; did you mean {nearest[0]}?" if nearest else ""
+        msg = (
+            f'no material is called "{shown}"{guess} '
+            f"(shipped: {', '.join(shipped)}; or a path to a TOML file)"
+        )
+        raise ConfigError(msg) from None
+    except OSError as error:
+        msg = f"{shown}: cannot be read: {error.strerror}"
+        raise ConfigError(msg) from error
+    except (ValueError, RecursionError) as error:
+        msg = f"{shown}: is not a card in TOML: {legible(str(error), _LONGEST_PATH)}"
+        raise ConfigError(msg) from None
+
+
+def _split(
+    tables: Mapping[str, Any], where: str
+) -> tuple[dict[str, dict[str, Any]], dict[str, Provenance]]:
+    """Return the bare values of a card, and where each comes from."""
+    values: dict[str, dict[str, Any]] = {}
+    provenance: dict[str, Provenance] = {}
+    for section, table in tables.items():
+        if not isinstance(table, Mapping):
+            msg = f"{where}: {legible(section)}: must be a table of values: write [{section}]"
+            raise ConfigError(msg)
+        values[section] = {}
+        for name, entry in table.items():
+            key = f"{section}.{name}"
+            origin = set(entry) - {"value"} if isinstance(entry, Mapping) else set()
+            kind = next(iter(origin), "")
+            if origin not in ({"source"}, {"estimate"}) or "value" not in entry or not entry[kind]:
+                msg = (
+                    f'{where}: {legible(key)}: must say where it is from: {{ value = "...", '
+                    'source = "..." }, or estimate = "on what basis" in place of source'
+                )
+                raise ConfigError(msg)
+            values[section][name] = entry["value"]
+            provenance[key] = Provenance(entry["value"], str(entry[kind]), kind == "estimate")
+    return values, provenance
+
+
+def _explain(error: ValidationError, values: Mapping[str, Any], where: str) -> str:
+    """Return one line for each fault of a card."""
+    known = {declaration.key: declaration for declaration in declarations(CardValues)}
+    return "\n".join(f"{where}: {_line(fault, values, known)}" for fault in error.errors())
+
+
+def _line(fault: ErrorDetails, values: Mapping[str, Any], known: Mapping[str, Declaration]) -> str:
+    """Return what is wrong with one value, its bound and how to write it."""
+    kind = fault["type"]
+    location = [str(part) for part in fault["loc"]]
+    key = ".".join(location)
+    if kind == "extra_forbidden":
+        sections = {name.partition(".")[0] for name in known}
+        nearest = get_close_matches(key, [*known, *sections], n=1)
+        guess = f"; did you mean {nearest[0]}?" if nearest else f"; known: {', '.join(known)}"
+        return f"{legible(key)}: unknown key{guess}"
+    declaration = known[key]
+    written = f"{key} = {excerpt(values[location[0]][location[1]])}"
+    if kind in _RANGE_FAULTS:
+        name = _RANGE_FAULTS[kind]
+        bound = f"{dict(declaration.bounds)[name]:g} {declaration.unit}".rstrip()
+        return f"{written}: must be {BOUNDS[name]} {bound}"
+    reason = fault["ctx"]["error"] if kind == "value_error" else "is no quantity"
+    return f'{written}: {reason}; write it as "{declaration.example}"'
+
+
+def _melt(name: str, card: CardValues) -> VolatileMelt:
+    """Return the laws of a card; one whose values are not all there is None."""
+    span = (card.melt.coldest, card.melt.hottest)
+    missing = {
+        law: gaps
+        for law, section in (
+            ("isotherm", card.isotherm),
+            ("diffusion", card.diffusion),
+            ("surface", card.surface),
+            ("contact_angle", card.wetting),
+            ("solution", card.solution),
+        )
+        if (gaps := _holes(section, law))
+    }
+    return VolatileMelt(
+        name=name,
+        density=card.melt.density,
+        polymer_fraction=card.melt.polymer_fraction,
+        temperatures=span,
+        isotherm=_isotherm(card.isotherm, span),
+        diffusion=_diffusion(card.diffusion, span),
+        surface=_surface(card.surface, span),
+        contact_angle=card.wetting.contact_angle,
+        solution=_solution(card.solution),
+        missing=missing,
+    )
+
+
+def _holes(section: BaseModel, law: str) -> tuple[str, ...]:
+    prefix = "wetting." if law == "contact_angle" else f"{law}."
+    return tuple(key for key, value in flatten(section, prefix).items() if value is None)
+
+
+def _isotherm(values: IsothermValues, span: tuple[float, float]) -> Isotherm | None:
+    content, reference = values.content, values.reference_temperature
+    if content is None or reference is None or values.mixing_heat is None:
+        return None
+    return ActivityLaw(content, reference, values.mixing_heat, span)
+
+
+def _diffusion(values: DiffusionValues, span: tuple[float, float]) -> Arrhenius | None:
+    if values.prefactor is None or values.activation_energy is None:
+        return None
+    return Arrhenius.of_energy(values.prefactor, values.activation_energy, span)
+
+
+def _surface(values: SurfaceValues, span: tuple[float, float]) -> LinearTension | None:
+    tension, reference = values.tension, values.reference_temperature
+    if tension is None or reference is None or values.slope is None:
+        return None
+    return LinearTension(tension, reference, values.slope, span)
+
+
+def _solution(values: SolutionValues) -> HanConstants | None:
+    prefactor, temperature = values.prefactor, values.prefactor_temperature
+    if prefactor is None or temperature is None or values.interaction is None:
+        return None
+    return HanConstants(prefactor, temperature, values.interaction)

@@ -1,0 +1,157 @@
+"""What the void laws ask of their input; a refusal names the value, the bound and the way out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fibermelt.errors import ConfigError
+
+__all__ = ["checked_moisture", "checked_range", "checked_value", "checked_vapor"]
+
+Array = NDArray[np.float64]
+
+SATURATION_TOLERANCE = 1e-9
+"""Largest part by which a moisture may exceed saturation: rounding of the way there and back."""
+
+DRY_IT = "dry the material, or give a moisture that it can hold at this temperature"
+
+
+def checked_value(
+    name: str,
+    value: float,
+    unit: str = "",
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    remedy: str = "",
+) -> None:
+    """Refuse a constant of a law that is not finite or lies outside its range.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    value : float
+        The value [unit].
+    unit : str
+        Its unit, for the message.
+    above, least, most : float
+        Bounds [unit]: the first is excluded, the others belong to the range.
+    remedy : str
+        What to do about it.
+
+    Raises
+    ------
+    ConfigError
+        If the value is not finite or outside.
+    """
+    if math.isfinite(value) and value > above and least <= value <= most:
+        return
+    bounds = [
+        f"{word} {bound:g} {unit}".rstrip()
+        for word, bound in (("above", above), ("at least", least), ("at most", most))
+        if math.isfinite(bound)
+    ]
+    wanted = " and ".join(bounds) if bounds else "finite"
+    msg = f"{name} = {value:g} {unit}".rstrip() + f": must be {wanted}"
+    raise ConfigError(msg + (f"; {remedy}" if remedy else ""))
+
+
+def checked_range(
+    name: str,
+    values: ArrayLike,
+    bounds: tuple[float, float],
+    unit: str = "",
+    remedy: str = "",
+) -> Array:
+    """Return values as an array, or refuse the first that is not finite or outside its range.
+
+    Parameters
+    ----------
+    name : str
+        What they are called.
+    values : (...,) array_like
+        The values [unit].
+    bounds : (float, float)
+        The range [unit], both ends included.
+    unit : str
+        Their unit, for the message.
+    remedy : str
+        What to do about it.
+
+    Raises
+    ------
+    ConfigError
+        If a value is not finite or outside.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    low, high = bounds
+    fine = np.isfinite(array) & (array >= low) & (array <= high)
+    if not np.all(fine):
+        bad = float(array[~fine].flat[0])
+        msg = f"{name} = {bad:.6g} {unit}".rstrip()
+        msg += f": must be from {low:.6g} to {high:.6g} {unit}".rstrip()
+        raise ConfigError(msg + (f"; {remedy}" if remedy else ""))
+    return array
+
+
+def checked_moisture(moisture: ArrayLike, saturation: Array, temperature: Array) -> Array:
+    """Return moistures as an array, or refuse the first that is negative or above saturation.
+
+    Parameters
+    ----------
+    moisture : (...,) array_like
+        Mass fraction [-].
+    saturation : (...,) array
+        What the melt can hold [-].
+    temperature : (...,) array
+        At which temperature [K], for the message.
+
+    Raises
+    ------
+    ConfigError
+        If a moisture is not a mass fraction or above saturation.
+    """
+    w = checked_range("moisture", moisture, (0.0, 1.0), "", "write a percentage as 0.17 %")
+    w, limit, T = np.broadcast_arrays(w, saturation, temperature)
+    beyond = w > limit * (1.0 + SATURATION_TOLERANCE)
+    if np.any(beyond):
+        worst = np.argmax(beyond)
+        msg = (
+            f"moisture = {100 * w.flat[worst]:.4g} %: must be at most "
+            f"{100 * limit.flat[worst]:.4g} %, saturation at {T.flat[worst]:.5g} K; {DRY_IT}"
+        )
+        raise ConfigError(msg)
+    return w
+
+
+def checked_vapor(vapor_pressure: ArrayLike, saturation: Array) -> Array:
+    """Return vapor pressures as an array, or refuse the first that saturated vapor does not reach.
+
+    Parameters
+    ----------
+    vapor_pressure : (...,) array_like
+        ``P_V`` [Pa, absolute].
+    saturation : (...,) array
+        The saturation pressure [Pa].
+
+    Raises
+    ------
+    ConfigError
+        If a pressure is negative or above saturation.
+    """
+    vapor = checked_range("vapor_pressure", vapor_pressure, (0.0, np.inf), "Pa")
+    vapor, limit = np.broadcast_arrays(vapor, saturation)
+    beyond = vapor > limit * (1.0 + SATURATION_TOLERANCE)
+    if np.any(beyond):
+        worst = np.argmax(beyond)
+        msg = (
+            f"vapor_pressure = {vapor.flat[worst]:.6g} Pa: must be at most "
+            f"{limit.flat[worst]:.6g} Pa, the saturation pressure of water; no moisture gives more"
+        )
+        raise ConfigError(msg)
+    return vapor
