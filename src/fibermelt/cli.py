@@ -166,6 +166,23 @@ def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
 
 
 @app.command()
+def report(
+    directory: Annotated[
+        str, typer.Argument(metavar="DIR", help="A results folder that `fibermelt run` wrote.")
+    ],
+    as_json: JsonOption = False,
+) -> None:
+    """Write the report of a finished run: one HTML file that needs nothing else."""
+    with _told():
+        from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
+
+        path = write_report(Path(directory))
+        size = path.stat().st_size
+        shown = legible(str(path), len(str(path)))
+        _print(json.dumps({"report": str(path), "bytes": size}) if as_json else shown)
+
+
+@app.command()
 def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:
     """Check a study without running it, and say what is wrong with it."""
     with _told():

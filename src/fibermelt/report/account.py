@@ -29,6 +29,9 @@ LONGEST_LIST = 5
 DIGITS = 6
 """Significant digits of a parameter: as many as anybody writes."""
 
+_WRITTEN = {"um": "µm", "kg/m^3": "kg/m³"}
+"""Units that type has signs for."""
+
 COLUMNS = (Column("Parameter", is_text=True), Column("Value"), Column("", is_text=True))
 
 
@@ -92,7 +95,7 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
                 Markup().join(folded)
             )
         )
-    return words + Markup().join(shown)
+    return words + Markup('<div class="parameters">\n{}</div>\n').format(Markup().join(shown))
 
 
 def _origin(results: xr.Dataset) -> str:
@@ -110,24 +113,20 @@ def _origin(results: xr.Dataset) -> str:
 def _table(name: str, items: Sequence[Declaration], values: Mapping[str, Any]) -> Markup:
     rows = [
         (
-            Markup('{}<br><code class="key">{}</code>').format(
-                item.doc.removesuffix("."), item.key
-            ),
+            Markup('{} <code class="key">{}</code>').format(item.doc.removesuffix("."), item.key),
             _value(item, values[item.key]),
             _mark(item, values[item.key]),
         )
         for item in items
     ]
-    return table(f"Parameters: {name}", COLUMNS, rows)
+    return table(name.capitalize(), COLUMNS, rows)
 
 
 def _mark(item: Declaration, value: object) -> Markup:
     if value == item.default:
         return Markup('<span class="mark">default</span>')
-    was = _value(item, item.default)
-    return Markup('<strong class="mark set">set</strong> <span class="was">default {}</span>').format(
-        was
-    )
+    mark = Markup('<strong class="mark set">set</strong> <span class="was">default {}</span>')
+    return mark.format(_value(item, item.default))
 
 
 def _value(item: Declaration, value: object) -> str:
@@ -149,7 +148,7 @@ def _one(item: Declaration, value: object) -> str:
     if not unit:
         return number(value, DIGITS) if isinstance(value, int) else _short(value)
     shown = _short(value / parse(f"1 {unit}", item.unit))
-    return f"{shown}°" if unit == "deg" else f"{shown} {unit.replace('um', 'µm')}"
+    return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
 
 
 def _unit(item: Declaration) -> str:

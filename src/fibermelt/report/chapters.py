@@ -46,7 +46,7 @@ def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     if not listed:
         return Markup()
     count = Counter(str(claim["verdict"]) for claim in listed)
-    told = ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
+    told = ", ".join(f"{verdict} {count[verdict]}" for verdict in VERDICTS if count[verdict])
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for claim in listed:
         groups.setdefault(str(claim.get("section") or "Claims"), []).append(claim)
@@ -58,8 +58,8 @@ def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     )
     tables = [table(name, columns, map(_claim, group)) for name, group in groups.items()]
     head = Markup(
-        "<p>{} statements of the paper, judged by code against the stored numbers: {}.</p>\n"
-    ).format(len(listed), told)
+        "<p>{} of the paper, judged by code against the stored numbers. Verdicts: {}.</p>\n"
+    ).format(f"{len(listed)} statement{'s' if len(listed) != 1 else ''}", told)
     return head + Markup().join(tables)
 
 
@@ -79,7 +79,7 @@ def _told(value: object) -> str:
     if value is None:
         return "–"
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return number(value)
+        return f"{value:.4g}".replace("-", "−")
     if isinstance(value, (list, tuple)):
         return ", ".join(map(_told, value))
     return str(value)
@@ -125,10 +125,16 @@ def _fiber(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
         ),
         (
             "Largest surface pressure in simple shear",
-            _estimated(tip, None if error.get("tip_pressure") is None else tip * error["tip_pressure"]),
+            _estimated(
+                tip, None if error.get("tip_pressure") is None else tip * error["tip_pressure"]
+            ),
             "viscosity × shear rate",
         ),
-        ("Unknowns of the cell", number(cell["unknowns"]) if cell["unknowns"] else "closed form", ""),
+        (
+            "Unknowns of the cell",
+            number(cell["unknowns"]) if cell["unknowns"] else "closed form",
+            "",
+        ),
     ]
 
 
@@ -144,9 +150,9 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         if item["kind"] == "min"
     }
     locations = sorted({location for _, location in found})
-    columns = [Column("Streamline"), Column("Transit", "s")]
+    columns = [Column("Streamline", is_text=True), Column("Transit", "s")]
     for location in locations:
-        columns += [Column(f"Loc. {location} mean", "MPa"), Column("worst orientation", "MPa")]
+        columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
     rows = []
     for line in summary["streamlines"]:
         name = str(line["index"]) + ("*" if line["near_singularity"] else "")
@@ -157,9 +163,9 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         rows.append(cells)
     note = Markup(
         "<p>Lowest pressure on the fiber's surface less the melt's own: Loc. 1 lies above the "
-        "middle of the capillary, Loc. 2 below it. The mean runs over the initial angles; no "
-        "fiber, however it entered, sees less than the worst orientation gives. "
-        "* passes close to a singular corner, where no mesh gives a limit.</p>\n"
+        "middle of the capillary, Loc. 2 below it. The mean runs over the initial angles; the "
+        "worst is a bound: no fiber, however it entered, sees less. * passes close to a singular "
+        "corner, where refining the mesh gives no limit.</p>\n"
     )
     return table("Lowest pressure by streamline", columns, rows) + note
 
@@ -183,7 +189,9 @@ def versions(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     del summary
     found = json.loads(results.attrs.get("software", "{}"))
     columns: Sequence[Column] = (Column("Software", is_text=True), Column("Version", is_text=True))
-    return table("Software that wrote the results", columns, [*found.items()]) if found else Markup()
+    return (
+        table("Software that wrote the results", columns, [*found.items()]) if found else Markup()
+    )
 
 
 def sources(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:

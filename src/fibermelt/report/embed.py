@@ -59,9 +59,7 @@ class Embedded:
     height: int
 
 
-def embed_figures(
-    results: xr.Dataset, drawn: Mapping[str, bytes] | None = None
-) -> list[Embedded]:
+def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None) -> list[Embedded]:
     """Return every figure that the results are enough for, ready to stand in a page.
 
     They stay in lines (SVG) as long as all of them are within `FIGURE_BUDGET`; beyond, the
@@ -117,7 +115,11 @@ def _rounded(path: str) -> str:
 
 def _in_dots(png: bytes) -> str:
     """Return a drawing as a data address: of 256 colours, found by where most dots are."""
-    few = Image.open(io.BytesIO(png)).convert("RGB").quantize(COLORS, kmeans=1, dither=Image.Dither.NONE)
+    few = (
+        Image.open(io.BytesIO(png))
+        .convert("RGB")
+        .quantize(COLORS, kmeans=1, dither=Image.Dither.NONE)
+    )
     stream = io.BytesIO()
     few.save(stream, "png", optimize=True)
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()

@@ -75,7 +75,9 @@ def _unbounded(values: Mapping[str, Any]) -> bool:
 
 USES = (
     Use("awenlimobor2024", "the study, its melt, its fiber and its claims", _always),
-    Use("jeffery1922", "motion of a fiber in an unbounded melt, and the pressure on it", _unbounded),
+    Use(
+        "jeffery1922", "motion of a fiber in an unbounded melt, and the pressure on it", _unbounded
+    ),
     Use("schoberl1997", "meshes, and with NGSolve the finite elements", _always),
     Use("harris2020", "arrays", _always),
     Use("virtanen2020", "time integration, interpolation and root finding", _always),

@@ -114,7 +114,7 @@ def _row(columns: Sequence[Column], cells: Sequence[str]) -> Markup:
         raise ValueError(msg)
     first = Markup('<th scope="row">{}</th>').format(cells[0])
     rest = (
-        Markup("<td{}>{}</td>").format(_kind(column), cell)
+        Markup('<td{} data-label="{}">{}</td>').format(_kind(column), column.title, cell)
         for column, cell in zip(columns[1:], cells[1:], strict=True)
     )
     return Markup("<tr>{}{}</tr>").format(first, Markup().join(rest))

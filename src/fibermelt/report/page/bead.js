@@ -5,6 +5,7 @@
   const SVG = "http:" + "//www.w3.org/2000/svg";
   const COLORS = ["var(--one)", "var(--two)", "var(--three)"];
   const NEAR = 24; // pixels from a streamline that still pick it
+  const DEEP = 0.1; // MPa below the atmosphere at which the red is full
   const WAY = 7000; // milliseconds that a fiber takes when it is played
 
   // From whole numbers to mm, s, MPa, degrees.
@@ -96,23 +97,20 @@
     });
     const points = line().x.map((x, i) => [x, line().y[i]]);
     draw(points, { stroke: "var(--ink)", "stroke-width": 2.6, "data-line": line().number });
-    let run = [];
-    points.forEach((point, i) => {
-      const below = fiber().low[i] < 0;
-      if (below) run.push(point);
-      if (run.length && (!below || i === points.length - 1)) {
-        if (run.length > 1) draw(run, { stroke: "var(--low)", "stroke-width": 3.4, "stroke-linecap": "round" });
-        run = [];
+    for (let i = 1; i < points.length; i += 1) {
+      const depth = -0.5 * (fiber().low[i - 1] + fiber().low[i]);
+      if (depth > 0) {
+        const strength = Math.min(1, depth / DEEP);
+        draw([points[i - 1], points[i]], { stroke: "var(--low)", "stroke-width": 4, "stroke-opacity": strength, "stroke-linecap": strength < 1 ? "butt" : "round" });
       }
-    });
+    }
     const millimetres = right - left > 15 ? 5 : 1;
     const corner = [width - 12 - millimetres * scale, 16];
-    draw([], {});
     element("path", { d: `M${corner[0]} ${corner[1]}h${millimetres * scale}`, stroke: "var(--ink)", "stroke-width": 2 }, svg);
     text(svg, corner[0] + (millimetres * scale) / 2, corner[1] + 14, `${millimetres} mm`, { "text-anchor": "middle" });
     text(svg, width - 12, corner[1] + 34, `streamline ${line().number}`, { "text-anchor": "end", class: "name" });
-    const half = Math.max(11, 0.032 * width);
-    glyph = element("ellipse", { rx: half, ry: Math.max(2, half / data.ratio), fill: "var(--glyph)", stroke: "var(--ink)", "stroke-width": 1.2 }, svg);
+    const half = Math.max(15, 0.04 * width);
+    glyph = element("ellipse", { rx: half, ry: Math.max(1, half / data.ratio), fill: "var(--glyph)", stroke: "var(--ink)", "stroke-width": 1.2 }, svg);
     scene.replaceChildren(svg);
   };
 
@@ -143,7 +141,7 @@
     text(svg, width - RIGHT, height - BOTTOM - 4, "s", { "text-anchor": "end" });
     line().zones.forEach((zone, k) => {
       element("path", { d: `M${X(zone)} ${TOP}V${height - BOTTOM}`, stroke: "var(--line)", "stroke-width": 0.8, "stroke-dasharray": "2 3" }, svg);
-      if (!fixed) text(svg, X(zone) - 3, height - BOTTOM - 4, `zone ${k + 1}`, { "text-anchor": "end" });
+      text(svg, X(zone) + 3, height - BOTTOM - 4, String(k + 1), {});
     });
     const curve = (values, attributes) =>
       element("path", { d: path(values.map((v, i) => [X(line().time[i]), Y(v)])), fill: "none", "stroke-width": 1.6, ...attributes }, svg);
@@ -289,7 +287,7 @@
   lines.forEach((one, k) => {
     const option = document.createElement("option");
     option.value = k;
-    option.textContent = String(one.number) + (one.near ? " (near a singular corner)" : "");
+    option.textContent = String(one.number) + (one.near ? ", near a corner" : "");
     chooser.append(option);
   });
   chooser.addEventListener("change", () => pick(Number(chooser.value)));
