@@ -25,8 +25,8 @@ __all__ = ["Embedded", "embed_figures"]
 FIGURE_BUDGET = 4_000_000
 """Bytes that all figures together may take: the rest of the 5 MB is for the other sections."""
 
-COLORS = 256
-"""Of a figure in dots: as many as one byte tells apart."""
+QUALITY = 90
+"""Of WebP: no difference can be seen, unlike with 256 colours, that make a green line blue."""
 
 PLAIN = " /=;,-.'()+*!@&?[]"
 """What stands in a data address as it is; the rest is escaped."""
@@ -63,7 +63,7 @@ def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None)
     """Return every figure that the results are enough for, ready to stand in a page.
 
     They stay in lines (SVG) as long as all of them are within `FIGURE_BUDGET`; beyond, the
-    largest go over to dots (PNG of 256 colours) until they are.
+    largest go over to dots (WebP) until they are.
 
     Parameters
     ----------
@@ -114,15 +114,10 @@ def _rounded(path: str) -> str:
 
 
 def _in_dots(png: bytes) -> str:
-    """Return a drawing as a data address: of 256 colours, found by where most dots are."""
-    few = (
-        Image.open(io.BytesIO(png))
-        .convert("RGB")
-        .quantize(COLORS, kmeans=1, dither=Image.Dither.NONE)
-    )
+    """Return a drawing as a data address, in dots that take a third of what PNG takes."""
     stream = io.BytesIO()
-    few.save(stream, "png", optimize=True)
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", quality=QUALITY)
+    return "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode()
 
 
 def _embedded(

@@ -27,7 +27,7 @@ NEEDS = "angle"
 LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
 """From SI to the page's whole numbers."""
 
-MOST_LINES, MOST_ANGLES, MOST_POINTS = 30, 13, 150
+MOST_LINES, MOST_ANGLES, MOST_POINTS = 30, 13, 120
 """Streamlines, initial angles and points that are shown of however many there are."""
 
 EXACT = 0.01
