@@ -10,6 +10,7 @@ import typer
 
 from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
+from fibermelt.cli.reports import report
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.versions import options, version
 
@@ -22,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, validate, defaults, orbit, orientation, domain_size, verify, version):
+for command in (run, report, validate, defaults, orbit, orientation, domain_size, verify, version):
     app.command()(command)
 
 

@@ -1,0 +1,162 @@
+"""What was run, for a person: every parameter in the unit that its default is written in."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from fibermelt.errors import ConfigError, StoreError
+from fibermelt.report.tables import Column, number, table
+from fibermelt.study.config import Config
+from fibermelt.study.loading import resolve
+from fibermelt.study.parameters import Declaration, declarations, flatten
+from fibermelt.units import parse
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["account", "parameters", "title_of"]
+
+KEY = ("flow", "melt", "fiber", "streamlines")
+"""Tables of a study of the bead that are open; the others are folded."""
+
+LONGEST_LIST = 5
+"""Items of a list that are written out; of a longer one the first two, the last, and how many."""
+
+DIGITS = 6
+"""Significant digits of a parameter: as many as anybody writes."""
+
+_WRITTEN = {"um": "µm", "kg/m^3": "kg/m³"}
+"""Units that type has signs for."""
+
+COLUMNS = (Column("Parameter", is_text=True), Column("Value"), Column("", is_text=True))
+
+
+def title_of(results: xr.Dataset) -> str:
+    """Return the study's name."""
+    return str(results.attrs.get("title", "")).removeprefix("fibermelt study ") or "unnamed"
+
+
+def parameters(results: xr.Dataset) -> dict[str, Any]:
+    """Return the parameters that were run, flattened, in SI.
+
+    Raises
+    ------
+    StoreError
+        If the results do not hold a study that this fibermelt can read.
+    """
+    try:
+        return dict(flatten(resolve(tomllib.loads(results.attrs["config"]))))
+    except (KeyError, tomllib.TOMLDecodeError, ConfigError) as error:
+        first = str(error).splitlines()[0]
+        msg = (
+            f"results.nc: holds no study that this fibermelt reads ({first}); run the study again, "
+            "or use the fibermelt that wrote the results"
+        )
+        raise StoreError(msg) from error
+
+
+def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return what was run: where the study came from, and its parameters by table.
+
+    Parameters
+    ----------
+    results, summary : Dataset, mapping
+        The store. Parameters that are as `fibermelt defaults` has them are marked as such.
+    """
+    del summary
+    values = parameters(results)
+    by_section: dict[str, list[Declaration]] = {}
+    for declaration in declarations(Config):
+        by_section.setdefault(declaration.key.partition(".")[0], []).append(declaration)
+    by_section.pop("study", None)
+    parts = values["study.parts"]
+    is_open = set(KEY if "bead" in parts else by_section)
+    changed = sum(
+        values[item.key] != item.default for items in by_section.values() for item in items
+    )
+    words = Markup("<p>{} {} {}</p>\n").format(
+        _origin(results),
+        f"Computed: {', '.join(parts)}.",
+        "All parameters have their defaults."
+        if not changed
+        else f"{changed} of its parameters differ{'s' if changed == 1 else ''} from the defaults.",
+    )
+    shown = [_table(name, items, values) for name, items in by_section.items() if name in is_open]
+    folded = [
+        _table(name, items, values) for name, items in by_section.items() if name not in is_open
+    ]
+    if folded:
+        shown.append(
+            Markup("<details><summary>All other parameters</summary>\n{}</details>\n").format(
+                Markup().join(folded)
+            )
+        )
+    return words + Markup('<div class="parameters">\n{}</div>\n').format(Markup().join(shown))
+
+
+def _origin(results: xr.Dataset) -> str:
+    """Return the first sentence of the stored study: which one it is, with what overridden."""
+    lines = []
+    for line in str(results.attrs["config"]).splitlines():
+        if not line.startswith("# "):
+            break
+        lines.append(line.removeprefix("# "))
+    preamble = " ".join(lines)
+    start, marker, _ = preamble.partition(" as it was run")
+    return f"{start}." if marker else ""
+
+
+def _table(name: str, items: Sequence[Declaration], values: Mapping[str, Any]) -> Markup:
+    rows = [
+        (
+            Markup('{} <code class="key">{}</code>').format(item.doc.removesuffix("."), item.key),
+            _value(item, values[item.key]),
+            _mark(item, values[item.key]),
+        )
+        for item in items
+    ]
+    return table(name.capitalize(), COLUMNS, rows)
+
+
+def _mark(item: Declaration, value: object) -> Markup:
+    if value == item.default:
+        return Markup('<span class="mark">default</span>')
+    mark = Markup('<strong class="mark set">set</strong> <span class="was">default {}</span>')
+    return mark.format(_value(item, item.default))
+
+
+def _value(item: Declaration, value: object) -> str:
+    """Return a value in the unit of its default; a list too long to read by its ends."""
+    if value is None:
+        return "not given"
+    if not isinstance(value, tuple):
+        return _one(item, value)
+    items = [_one(item, one) for one in value]
+    if len(items) <= LONGEST_LIST:
+        return ", ".join(items)
+    return f"{items[0]}, {items[1]}, …, {items[-1]} ({len(items)})"
+
+
+def _one(item: Declaration, value: object) -> str:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
+    unit = _unit(item)
+    if not unit:
+        return number(value, DIGITS) if isinstance(value, int) else _short(value)
+    shown = _short(value / parse(f"1 {unit}", item.unit))
+    return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
+
+
+def _unit(item: Declaration) -> str:
+    """Return the unit that the default is written in; the SI unit where it has none."""
+    written = item.written[0] if isinstance(item.written, list) else item.written
+    written = item.example if written is None else written
+    return str(written).partition(" ")[2] or item.unit if item.unit else ""
+
+
+def _short(value: float) -> str:
+    return f"{value:.{DIGITS}g}".replace("-", "−")

@@ -1,0 +1,211 @@
+"""Sections of the report that hold no figure: claims, numbers, cost, versions, sources."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from fibermelt.report.account import parameters
+from fibermelt.report.sources import sources_of, written
+from fibermelt.report.tables import Column, measured, number, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["claims", "cost", "numbers", "sources", "versions"]
+
+VERDICTS = {"holds": "✓", "differs": "≠", "cannot be judged": "?"}
+"""Signs of the verdicts, so that no colour is needed to tell them apart."""
+
+MM, MPA = 1e3, 1e-6
+"""Millimetres in a metre, megapascals in a pascal."""
+
+FLOW = (
+    ("Bead height", "bead_height", MM, "mm"),
+    ("Inlet pressure", "inlet_pressure", MPA, "MPa"),
+    ("Contact point, from the nozzle's axis", "contact_point", MM, "mm"),
+    ("Heel, the melt's foremost point upstream", "heel", MM, "mm"),
+    ("Flux error at the outlet, of the inlet's flux", "mass_imbalance", 1.0, ""),
+    ("Flow through the free surface, in bed speeds", "kinematic_residual", 1.0, ""),
+    ("Newton steps, all meshes together", "newton_steps", 1, ""),
+    ("Unknowns of the flow", "unknowns", 1, ""),
+    ("Triangles of the mesh", "elements", 1, ""),
+)
+"""What is told of the flow: words, name in the summary, factor and unit on the page."""
+
+
+def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return the claims with their verdicts, by section of the paper; nothing if there are none."""
+    del results
+    listed = summary.get("claims") or []
+    if not listed:
+        return Markup()
+    count = Counter(str(claim["verdict"]) for claim in listed)
+    told = ", ".join(f"{verdict} {count[verdict]}" for verdict in VERDICTS if count[verdict])
+    groups: dict[str, list[Mapping[str, Any]]] = {}
+    for claim in listed:
+        groups.setdefault(str(claim.get("section") or "Claims"), []).append(claim)
+    columns = (
+        Column("What the paper states", is_text=True),
+        Column("Paper", is_text=True),
+        Column("Here", is_text=True),
+        Column("Verdict", is_text=True),
+    )
+    tables = [table(name, columns, map(_claim, group)) for name, group in groups.items()]
+    head = Markup(
+        "<p>{} of the paper, judged by code against the stored numbers. Verdicts: {}.</p>\n"
+    ).format(f"{len(listed)} statement{'s' if len(listed) != 1 else ''}", told)
+    return head + Markup().join(tables)
+
+
+def _claim(claim: Mapping[str, Any]) -> tuple[Markup, str, str, Markup]:
+    verdict = str(claim["verdict"])
+    label = Markup('<span class="verdict" data-verdict="{0}">{1} {0}</span>').format(
+        verdict, VERDICTS.get(verdict, "")
+    )
+    if reason := claim.get("reason"):
+        label += Markup('<br><span class="reason">{}</span>').format(reason)
+    statement = Markup('{}<br><code class="key">{}</code>').format(claim["statement"], claim["id"])
+    return statement, _told(claim.get("paper")), _told(claim.get("ours")), label
+
+
+def _told(value: object) -> str:
+    """Return what a claim holds: a text as it is, numbers with the digits that are read."""
+    if value is None:
+        return "–"
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return f"{value:.4g}".replace("-", "−")
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(_told, value))
+    return str(value)
+
+
+def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return the numbers of fibers in the bead, with their units and error estimates."""
+    quantity = (Column("Quantity", is_text=True), Column("Value"), Column("Unit", is_text=True))
+    flow = [
+        (words, _with_error(results, name, summary["flow"][name], factor), unit)
+        for words, name, factor, unit in FLOW
+        if name in summary["flow"]
+    ]
+    return Markup().join(
+        [
+            table("The flow, ± estimated error", quantity, flow),
+            table("The fiber, ± estimated error", quantity, _fiber(summary["cell"])),
+            _lines(summary),
+        ]
+    )
+
+
+def _with_error(results: xr.Dataset, name: str, value: float, factor: float) -> str:
+    if isinstance(value, int):
+        return number(value)
+    error = results.get(f"{name}_error")
+    return measured(factor * value, math.nan if error is None else factor * float(error))
+
+
+def _fiber(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    error = cell.get("error_estimate") or {}
+    stall = cell["stall_angle"]
+    tip = cell["tip_pressure"]
+    size = cell["domain_size"]
+    return [
+        ("Aspect ratio", number(cell["aspect_ratio"]), ""),
+        ("Domain-size factor M", "unbounded" if size is None else number(size), ""),
+        ("Shape factor B", _estimated(cell["shape_factor"], error.get("shape_factor")), ""),
+        (
+            "Angle to simple shear at which it stalls",
+            "it tumbles" if stall is None else number(math.degrees(stall)),
+            "" if stall is None else "°",
+        ),
+        (
+            "Largest surface pressure in simple shear",
+            _estimated(
+                tip, None if error.get("tip_pressure") is None else tip * error["tip_pressure"]
+            ),
+            "viscosity × shear rate",
+        ),
+        (
+            "Unknowns of the cell",
+            number(cell["unknowns"]) if cell["unknowns"] else "closed form",
+            "",
+        ),
+    ]
+
+
+def _estimated(value: float, error: float | None) -> str:
+    return number(value) if error is None else measured(value, error)
+
+
+def _lines(summary: Mapping[str, Any]) -> Markup:
+    """Return the lowest surface pressures by streamline, above mid-capillary and below it."""
+    found = {
+        (item["streamline"], item["location"]): item
+        for item in summary["extremes"]
+        if item["kind"] == "min"
+    }
+    locations = sorted({location for _, location in found})
+    columns = [Column("Streamline", is_text=True), Column("Transit", "s")]
+    for location in locations:
+        columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
+    rows = []
+    for line in summary["streamlines"]:
+        name = str(line["index"]) + ("*" if line["near_singularity"] else "")
+        cells = [name, number(line["transit_time"], 3)]
+        for location in locations:
+            item = found[line["index"], location]
+            cells += [_fixed(MPA * item["mean"]), _fixed(MPA * min(item["bounds"]))]
+        rows.append(cells)
+    note = Markup(
+        "<p>Lowest pressure on the fiber's surface less the melt's own: Loc. 1 lies above the "
+        "middle of the capillary, Loc. 2 below it. The mean runs over the initial angles; the "
+        "worst is a bound: no fiber, however it entered, sees less. * passes close to a singular "
+        "corner, where refining the mesh gives no limit.</p>\n"
+    )
+    return table("Lowest pressure by streamline", columns, rows) + note
+
+
+def _fixed(value: float) -> str:
+    return f"{value:.3f}".replace("-", "−")
+
+
+def cost(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return the wall time that each stage took when it was computed."""
+    del results
+    rows = [(name, f"{seconds:.1f}") for name, seconds in summary["cost"].items()]
+    note = Markup(
+        "<p>Wall time of each stage when it was computed; a reused stage is not in the total.</p>\n"
+    )
+    return note + table("Wall time", (Column("Stage", is_text=True), Column("Time", "s")), rows)
+
+
+def versions(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return the versions of what computed the results."""
+    del summary
+    found = json.loads(results.attrs.get("software", "{}"))
+    columns: Sequence[Column] = (Column("Software", is_text=True), Column("Version", is_text=True))
+    return (
+        table("Software that wrote the results", columns, [*found.items()]) if found else Markup()
+    )
+
+
+def sources(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return the sources that the study makes use of, and their BibTeX."""
+    del summary
+    found = sources_of(parameters(results))
+    listed: Iterable[Markup] = (
+        Markup('<li id="source-{}">{} <span class="use">For {}.</span></li>\n').format(
+            source.key, written(source), what
+        )
+        for source, what in found
+    )
+    bibtex = "\n\n".join(source.bibtex for source, _ in found)
+    return Markup(
+        '<ul class="sources">\n{}</ul>\n<details><summary>BibTeX</summary>\n'
+        '<pre tabindex="0" aria-label="BibTeX of the sources">{}</pre></details>\n'
+    ).format(Markup().join(listed), bibtex)

@@ -1,0 +1,128 @@
+"""Figures as parts of one HTML file: small enough, sharp enough, and without any address."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from PIL import Image
+
+from fibermelt.report.figures import FIGURES, Plate, draw_figures
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Embedded", "embed_figures"]
+
+FIGURE_BUDGET = 4_000_000
+"""Bytes that all figures together may take: the rest of the 5 MB is for the other sections."""
+
+QUALITY = 90
+"""Of WebP: no difference can be seen, unlike with 256 colours, that make a green line blue."""
+
+PLAIN = " /=;,-.'()+*!@&?[]"
+"""What stands in a data address as it is; the rest is escaped."""
+
+_NOTES = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<!--.*?-->", re.S)
+_PATH = re.compile(r' d="([^"]*)"')
+_LONG = re.compile(r"-?\d+\.\d{3,}")
+
+
+@dataclass(frozen=True)
+class Embedded:
+    """A figure in the page.
+
+    Parameters
+    ----------
+    name, title, caption, alt : str
+        As in `Plate` and `Words`.
+    source : str
+        The figure itself, as a data address.
+    width, height : int
+        Its size in dots, for the room that it takes before it is shown.
+    """
+
+    name: str
+    title: str
+    caption: str
+    alt: str
+    source: str
+    width: int
+    height: int
+
+
+def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None) -> list[Embedded]:
+    """Return every figure that the results are enough for, ready to stand in a page.
+
+    They stay in lines (SVG) as long as all of them are within `FIGURE_BUDGET`; beyond, the
+    largest go over to dots (WebP) until they are.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Results of a study.
+    drawn : mapping, optional
+        Figures of these very results that were drawn before, by file name; the others are drawn.
+        They are what drawing gives, so the answer is the same with and without them.
+    """
+    plates = [plate for plate in FIGURES if plate.needs in results]
+    names = [f"{plate.name}{suffix}" for plate in plates for suffix in (".svg", ".png")]
+    files = dict(drawn or {})
+    if not files.keys() >= set(names):
+        files = _draw(results)
+    sources = _within_budget(plates, files)
+    return [_embedded(plate, results, files, sources[plate.name]) for plate in plates]
+
+
+def _draw(results: xr.Dataset) -> dict[str, bytes]:
+    with TemporaryDirectory() as folder:
+        return {path.name: path.read_bytes() for path in draw_figures(results, Path(folder))}
+
+
+def _within_budget(plates: Sequence[Plate], files: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the data addresses of figures, by name."""
+    sources = {plate.name: _in_lines(files[f"{plate.name}.svg"].decode()) for plate in plates}
+    total = sum(map(len, sources.values()))
+    for name in sorted(sources, key=lambda name: (-len(sources[name]), name)):
+        if total <= FIGURE_BUDGET:
+            break
+        dots = _in_dots(files[f"{name}.png"])
+        if len(dots) < len(sources[name]):
+            total += len(dots) - len(sources[name])
+            sources[name] = dots
+    return sources
+
+
+def _in_lines(svg: str) -> str:
+    """Return a drawing as a data address: without notes, paths to a hundredth of a point."""
+    bare = _PATH.sub(lambda path: f' d="{_rounded(path[1])}"', _NOTES.sub("", svg))
+    bare = re.sub(r"\n\s*", "\n", bare).strip().replace('"', "'")
+    return "data:image/svg+xml," + quote(bare, safe=PLAIN)
+
+
+def _rounded(path: str) -> str:
+    short = _LONG.sub(lambda number: f"{float(number[0]):.2f}".rstrip("0").rstrip("."), path)
+    return short.replace("\n", "")
+
+
+def _in_dots(png: bytes) -> str:
+    """Return a drawing as a data address, in dots that take a third of what PNG takes."""
+    stream = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", quality=QUALITY)
+    return "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode()
+
+
+def _embedded(
+    plate: Plate, results: xr.Dataset, files: Mapping[str, bytes], source: str
+) -> Embedded:
+    words = plate.words(results)
+    width, height = struct.unpack(">II", files[f"{plate.name}.png"][16:24])
+    return Embedded(plate.name, plate.title, words.caption, words.alt, source, width, height)

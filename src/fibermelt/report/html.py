@@ -1,0 +1,113 @@
+"""The report: one HTML file that needs nothing else, as a pure function of the store.
+
+Nothing but the stored results and summary goes into it: no date, no path, no machine. The same
+store gives the same bytes with the same versions of fibermelt and matplotlib.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from fibermelt.errors import StoreError
+from fibermelt.report.account import account, title_of
+from fibermelt.report.embed import embed_figures
+from fibermelt.report.interactive import NEEDS, bead_data
+from fibermelt.report.sections import told
+from fibermelt.report.stored import read_finished
+from fibermelt.study.files import replace_file
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["REPORT", "render", "write_report"]
+
+REPORT = "report.html"
+"""Name of the report in a results folder."""
+
+OVERVIEW = "overview"
+"""The figure that stands first, above the one that moves."""
+
+
+def render(
+    results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str, bytes] | None = None
+) -> bytes:
+    """Return the report of a finished run.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Content of results.nc, with the study in its attributes.
+    summary : mapping
+        Content of summary.json.
+    drawn : mapping, optional
+        The figures' files by name (``"overview.svg"``) where they were drawn before from these
+        results; it saves the time to draw them, and changes nothing else.
+
+    Returns
+    -------
+    bytes
+        HTML, UTF-8, that refers to no other file.
+
+    Raises
+    ------
+    StoreError
+        If the results hold no study that this fibermelt reads.
+    """
+    opening = account(results, summary)
+    figures = embed_figures(results, drawn)
+    page = _template().render(
+        title=title_of(results),
+        account=opening,
+        overview=next((figure for figure in figures if figure.name == OVERVIEW), None),
+        figures=[figure for figure in figures if figure.name != OVERVIEW],
+        bead=Markup(bead_data(results)) if NEEDS in results else None,  # escaped there
+        sections=told(results, summary),
+        style=Markup(_file("style.css")),
+        script=Markup(_file("bead.js")),
+    )
+    return str(page).encode()
+
+
+def write_report(directory: Path) -> Path:
+    """Write the report of a results folder into it, and return its path.
+
+    Figures that the run drew, and that are as it wrote them, are taken from the folder rather
+    than drawn again.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds no finished run, what it holds was changed, or it cannot be written;
+        an older report is still there then.
+    """
+    finished = read_finished(directory)
+    page = render(finished.results, finished.summary, finished.drawn)
+    path = directory / REPORT
+    try:
+        replace_file(path, page)
+    except StoreError as error:
+        if not isinstance(error.__cause__, OSError):
+            raise
+        reason = (error.__cause__.strerror or str(error.__cause__)).lower()
+        msg = f"{path}: cannot be written: {reason}; make the folder writable, or report on a copy"
+        raise StoreError(msg) from error
+    return path
+
+
+def _file(name: str) -> str:
+    return files("fibermelt.report").joinpath("page", name).read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> Any:
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(_file("page.html.j2"))

@@ -1,0 +1,343 @@
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("bead-data").textContent);
+  const at = (id) => document.getElementById(id);
+  const SVG = "http:" + "//www.w3.org/2000/svg";
+  const COLORS = ["var(--one)", "var(--two)", "var(--three)"];
+  const NEAR = 24; // pixels from a streamline that still pick it
+  const DEEP = 0.1; // MPa below the atmosphere at which the red is full
+  const WAY = 7000; // milliseconds that a fiber takes when it is played
+
+  // From whole numbers to mm, s, MPa, degrees.
+  const lines = data.lines.map((line) => ({
+    number: line.n,
+    near: line.near,
+    time: line.t.map((v) => v / 1e4),
+    x: line.x.map((v) => v / 100),
+    y: line.y.map((v) => v / 100),
+    own: line.p.map((v) => v / 1e3),
+    flow: line.d.map((v) => v / 10),
+    lowest: line.low.map((v, i) => (v + line.p[i]) / 1e3),
+    highest: line.high.map((v, i) => (v + line.p[i]) / 1e3),
+    zones: line.zones.map((v) => v / 1e4),
+    fibers: line.fibers.map((f) => ({
+      angle: f.a.map((v) => v / 10),
+      low: f.low.map((v, i) => (v + line.p[i]) / 1e3),
+      high: f.high.map((v, i) => (v + line.p[i]) / 1e3),
+    })),
+  }));
+  const state = { picked: data.picked, shown: data.picked, start: 0, time: 0, view: "whole" };
+
+  const words = (value, digits) => {
+    const text = value.toFixed(digits);
+    return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+  };
+  const turned = (angle) => ((((angle + 90) % 180) + 180) % 180) - 90;
+  const element = (name, attributes, parent) => {
+    const made = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    if (parent) parent.append(made);
+    return made;
+  };
+  const text = (parent, x, y, content, attributes = {}) => {
+    element("text", { x, y, ...attributes }, parent).textContent = content;
+  };
+  const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+  const line = () => lines[state.shown];
+  const fiber = () => line().fibers[state.start];
+
+  // Where a time lies between two points of a line: the first, and the share of the way.
+  const between = (times, time) => {
+    let low = 0, high = times.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (times[middle] <= time) low = middle; else high = middle;
+    }
+    const share = (time - times[low]) / (times[high] - times[low] || 1);
+    return [low, Math.min(1, Math.max(0, share))];
+  };
+  const value = (values, [k, share]) => values[k] + share * (values[k + 1] - values[k]);
+  const deepest = () => {
+    const low = fiber().low;
+    return low.reduce((best, v, k) => (v < low[best] ? k : best), 0);
+  };
+
+  // The bead.
+  const scene = at("scene");
+  let place = null; // from mm to pixels
+  let glyph = null;
+  const drawScene = () => {
+    const [left, right, bottom, top] = data.scene[state.view];
+    const width = Math.max(240, scene.clientWidth);
+    const scale = width / (right - left);
+    const height = Math.round((top - bottom) * scale);
+    place = ([x, y]) => [(x - left) * scale, (top - y) * scale];
+    const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, height, "aria-hidden": "true" });
+    const sides = data.scene.sides;
+    const draw = (points, attributes) => element("path", { d: path(points.map(place)), fill: "none", ...attributes }, svg);
+    draw([[left, 0], [right, 0], [right, bottom], [left, bottom]], { fill: "var(--bed)" });
+    for (const [name, sign] of [["left wall", -1], ["right wall", 1]]) {
+      const wall = sides[name];
+      const outside = [...wall].reverse().map(([x, y]) => [x + sign * data.scene.thick, y]);
+      draw([...wall, ...outside], { fill: "var(--metal)", stroke: "var(--metal-edge)", "stroke-width": 0.7 });
+    }
+    draw(Object.values(sides).flat(), { fill: "var(--fill)" });
+    for (const [name, side] of Object.entries(sides)) {
+      const firm = name.endsWith("wall") || name.endsWith("surface");
+      draw(side, { stroke: firm ? "var(--ink)" : "var(--line)", "stroke-width": firm ? 1.2 : 0.7 });
+    }
+    lines.forEach((one, k) => {
+      if (k === state.shown) return;
+      const marked = one.number in data.marked;
+      draw(one.x.map((x, i) => [x, one.y[i]]), {
+        stroke: marked ? COLORS[data.marked[one.number] % 3] : "var(--line)",
+        "stroke-width": marked ? 1.1 : 0.7,
+        "stroke-opacity": marked ? 1 : 0.7,
+      });
+    });
+    const points = line().x.map((x, i) => [x, line().y[i]]);
+    draw(points, { stroke: "var(--ink)", "stroke-width": 2.6, "data-line": line().number });
+    for (let i = 1; i < points.length; i += 1) {
+      const depth = -0.5 * (fiber().low[i - 1] + fiber().low[i]);
+      if (depth > 0) {
+        const strength = Math.min(1, depth / DEEP);
+        draw([points[i - 1], points[i]], { stroke: "var(--low)", "stroke-width": 4, "stroke-opacity": strength, "stroke-linecap": strength < 1 ? "butt" : "round" });
+      }
+    }
+    const millimetres = right - left > 15 ? 5 : 1;
+    const corner = [width - 12 - millimetres * scale, 16];
+    element("path", { d: `M${corner[0]} ${corner[1]}h${millimetres * scale}`, stroke: "var(--ink)", "stroke-width": 2 }, svg);
+    text(svg, corner[0] + (millimetres * scale) / 2, corner[1] + 14, `${millimetres} mm`, { "text-anchor": "middle" });
+    text(svg, width - 12, corner[1] + 34, `streamline ${line().number}`, { "text-anchor": "end", class: "name" });
+    const half = Math.max(15, 0.04 * width);
+    glyph = element("ellipse", { rx: half, ry: Math.max(1, half / data.ratio), fill: "var(--glyph)", stroke: "var(--ink)", "stroke-width": 1.2 }, svg);
+    scene.replaceChildren(svg);
+  };
+
+  // The charts. Each returns what sets its cursor to a time.
+  const ticks = (low, high, most) => {
+    const rough = (high - low) / most;
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((s) => s * power).find((s) => s >= rough);
+    const found = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(k * step);
+    return { found, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
+  };
+  const LEFT = 44, RIGHT = 8, TOP = 8, BOTTOM = 20;
+  const chart = (box, height, low, high, label, fixed) => {
+    const width = Math.max(240, box.clientWidth);
+    const end = line().time.at(-1);
+    const X = (t) => LEFT + (t / end) * (width - LEFT - RIGHT);
+    const Y = (v) => TOP + ((high - v) / (high - low)) * (height - TOP - BOTTOM);
+    const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, height });
+    const level = fixed ? { found: fixed, digits: 0 } : ticks(low, high, 5);
+    for (const tick of level.found) {
+      element("path", { d: `M${LEFT} ${Y(tick)}H${width - RIGHT}`, stroke: "var(--rule)", "stroke-width": 1 }, svg);
+      text(svg, LEFT - 5, Y(tick) + 4, words(tick, level.digits), { "text-anchor": "end" });
+    }
+    const times = ticks(0, end, width < 360 ? 4 : 7);
+    for (const tick of times.found) text(svg, X(tick), height - 5, words(tick, times.digits), { "text-anchor": "middle" });
+    text(svg, LEFT + 4, TOP + 10, label, { class: "name" });
+    text(svg, width - RIGHT, height - BOTTOM - 4, "s", { "text-anchor": "end" });
+    line().zones.forEach((zone, k) => {
+      element("path", { d: `M${X(zone)} ${TOP}V${height - BOTTOM}`, stroke: "var(--line)", "stroke-width": 0.8, "stroke-dasharray": "2 3" }, svg);
+      text(svg, X(zone) + 3, height - BOTTOM - 4, String(k + 1), {});
+    });
+    const curve = (values, attributes) =>
+      element("path", { d: path(values.map((v, i) => [X(line().time[i]), Y(v)])), fill: "none", "stroke-width": 1.6, ...attributes }, svg);
+    return { svg, X, Y, curve, width, end };
+  };
+  const cursor = (made, height) =>
+    element("path", { d: `M0 ${TOP}V${height - BOTTOM}`, stroke: "var(--ink)", "stroke-width": 1.2 }, made.svg);
+  const dot = (made, color) => element("circle", { r: 3.6, fill: color, stroke: "var(--panel)", "stroke-width": 1 }, made.svg);
+
+  const pressureBox = at("pressure-chart"), angleBox = at("angle-chart");
+  let follow = () => {};
+  const drawCharts = () => {
+    const one = line(), own = fiber();
+    const low = Math.min(0, ...one.lowest), high = Math.max(0.05, ...one.highest);
+    const room = 0.06 * (high - low);
+    const first = chart(pressureBox, 230, low - room, high + room, "pressure [MPa]");
+    const band = [...one.highest.map((v, i) => [first.X(one.time[i]), first.Y(v)]),
+      ...one.lowest.map((v, i) => [first.X(one.time[i]), first.Y(v)]).reverse()];
+    element("path", { d: path(band) + "Z", fill: "var(--band)", "fill-opacity": 0.25 }, first.svg);
+    element("path", { d: `M${LEFT} ${first.Y(0)}H${first.width - RIGHT}`, stroke: "var(--ink)", "stroke-width": 1 }, first.svg);
+    first.curve(own.high, { stroke: "var(--high)" });
+    first.curve(own.low, { stroke: "var(--low)" });
+    first.curve(one.own, { stroke: "var(--melt)" });
+    const here = cursor(first, 230);
+    const dots = [dot(first, "var(--high)"), dot(first, "var(--low)"), dot(first, "var(--melt)")];
+    pressureBox.replaceChildren(first.svg);
+
+    const second = chart(angleBox, 130, -90, 90, "angle [°]", [-90, -45, 0, 45, 90]);
+    for (const [values, attributes] of [[one.flow, { stroke: "var(--line)", "stroke-dasharray": "5 3" }], [own.angle, { stroke: "var(--two)" }]]) {
+      let d = "", last = null;
+      values.forEach((v, i) => {
+        const y = turned(v);
+        d += `${last === null || Math.abs(y - last) > 90 ? "M" : "L"}${second.X(one.time[i]).toFixed(1)} ${second.Y(y).toFixed(1)}`;
+        last = y;
+      });
+      element("path", { d, fill: "none", "stroke-width": 1.6, ...attributes }, second.svg);
+    }
+    const there = cursor(second, 130), turn = dot(second, "var(--two)");
+    angleBox.replaceChildren(second.svg);
+    follow = (where) => {
+      const x = first.X(state.time);
+      here.setAttribute("transform", `translate(${x} 0)`);
+      there.setAttribute("transform", `translate(${x} 0)`);
+      [own.high, own.low, one.own].forEach((values, k) => {
+        dots[k].setAttribute("cx", x);
+        dots[k].setAttribute("cy", first.Y(value(values, where)));
+      });
+      turn.setAttribute("cx", x);
+      turn.setAttribute("cy", second.Y(turned(value(own.angle, where))));
+    };
+    toTime = (event, box) => {
+      const x = event.clientX - box.getBoundingClientRect().left;
+      setTime(((x - LEFT) / (first.width - LEFT - RIGHT)) * first.end);
+    };
+  };
+  let toTime = () => {};
+
+  // What changes with time only.
+  const slider = at("pick-time");
+  const showTime = () => {
+    const one = line(), own = fiber(), end = one.time.at(-1);
+    state.time = Math.min(end, Math.max(0, state.time));
+    const where = between(one.time, state.time);
+    const [x, y] = place([value(one.x, where), value(one.y, where)]);
+    const angle = value(own.angle, where), low = value(own.low, where);
+    glyph.setAttribute("transform", `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${(-angle).toFixed(1)})`);
+    follow(where);
+    slider.value = Math.round((1000 * state.time) / end);
+    const told = {
+      time: `${words(state.time, 3)} s`,
+      place: `${words(value(one.x, where), 2)}, ${words(value(one.y, where), 2)} mm`,
+      own: `${words(value(one.own, where), 3)} MPa`,
+      low: `${words(low, 3)} MPa`,
+      high: `${words(value(own.high, where), 3)} MPa`,
+      bounds: `${words(value(one.lowest, where), 3)} to ${words(value(one.highest, where), 3)} MPa`,
+      angle: `${words(turned(angle), 1)}°, ${words(turned(angle - value(one.flow, where)), 1)}°`,
+    };
+    for (const [name, content] of Object.entries(told)) at(`out-${name}`).textContent = content;
+    at("out-low").classList.toggle("below", low < 0);
+    slider.setAttribute("aria-valuetext", `${told.time}: lowest on the fiber ${told.low}, fiber at ${words(turned(angle), 0)} degrees`);
+  };
+  const setTime = (time) => { state.time = time; showTime(); };
+
+  const show = () => {
+    drawScene();
+    drawCharts();
+    const k = deepest();
+    at("out-deepest").textContent = `${words(fiber().low[k], 3)} MPa at ${words(line().time[k], 3)} s`;
+    at("near").hidden = !line().near;
+    at("start-shown").textContent = data.starts[state.start];
+    at("pick-start").setAttribute("aria-valuetext", data.starts[state.start]);
+    scene.setAttribute("aria-valuenow", state.shown + 1);
+    scene.setAttribute("aria-valuetext", `streamline ${line().number}, lowest on the fiber ${at("out-deepest").textContent}`);
+    showTime();
+  };
+  // Another line is met at the same share of its way, so that the fiber does not jump about.
+  const showLine = (k) => {
+    if (k === state.shown) return;
+    const share = state.time / line().time.at(-1);
+    state.shown = k;
+    state.time = share * line().time.at(-1);
+    show();
+  };
+  const pick = (k) => {
+    state.picked = Math.min(lines.length - 1, Math.max(0, k));
+    at("pick-line").value = state.picked;
+    showLine(state.picked);
+  };
+
+  const nearest = (event) => {
+    const box = scene.getBoundingClientRect();
+    const x = event.clientX - box.left, y = event.clientY - box.top;
+    let found = null, closest = NEAR ** 2;
+    lines.forEach((one, k) => one.x.forEach((_, i) => {
+      const [px, py] = place([one.x[i], one.y[i]]);
+      const away = (px - x) ** 2 + (py - y) ** 2;
+      if (away < closest) { closest = away; found = k; }
+    }));
+    return found;
+  };
+  scene.addEventListener("pointermove", (event) => {
+    if (event.pointerType !== "mouse") return;
+    const found = nearest(event);
+    showLine(found === null ? state.picked : found);
+  });
+  scene.addEventListener("pointerleave", () => showLine(state.picked));
+  scene.addEventListener("click", (event) => {
+    const found = nearest(event);
+    if (found !== null) pick(found);
+  });
+  const STEPS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, Home: -Infinity, End: Infinity };
+  scene.addEventListener("keydown", (event) => {
+    if (!(event.key in STEPS)) return;
+    event.preventDefault();
+    pick(state.picked + STEPS[event.key]);
+  });
+  for (const box of [pressureBox, angleBox]) {
+    box.addEventListener("pointerdown", (event) => { stop(); toTime(event, box); box.setPointerCapture(event.pointerId); });
+    box.addEventListener("pointermove", (event) => { if (event.buttons) toTime(event, box); });
+  }
+
+  const chooser = at("pick-line");
+  lines.forEach((one, k) => {
+    const option = document.createElement("option");
+    option.value = k;
+    option.textContent = String(one.number) + (one.near ? ", near a corner" : "");
+    chooser.append(option);
+  });
+  chooser.addEventListener("change", () => pick(Number(chooser.value)));
+  const starts = at("pick-start");
+  starts.max = data.starts.length - 1;
+  starts.addEventListener("input", () => { state.start = Number(starts.value); show(); });
+  starts.closest("p").hidden = data.starts.length < 2;
+  slider.addEventListener("input", () => { stop(); setTime((slider.value / 1000) * line().time.at(-1)); });
+  for (const view of ["whole", "exit"]) {
+    at(`view-${view}`).addEventListener("click", () => {
+      state.view = view;
+      for (const other of ["whole", "exit"]) at(`view-${other}`).setAttribute("aria-pressed", String(other === view));
+      show();
+    });
+  }
+
+  // Playing: only when asked, and it stops at the outlet.
+  const button = at("play");
+  let playing = 0;
+  function stop() {
+    cancelAnimationFrame(playing);
+    playing = 0;
+    button.textContent = "▶";
+    button.setAttribute("aria-label", "Play");
+  }
+  button.addEventListener("click", () => {
+    if (playing) { stop(); return; }
+    button.textContent = "❚❚";
+    button.setAttribute("aria-label", "Pause");
+    if (state.time >= line().time.at(-1)) state.time = 0;
+    let last = performance.now();
+    const step = (now) => {
+      const end = line().time.at(-1);
+      setTime(state.time + ((now - last) / WAY) * end);
+      last = now;
+      if (state.time < end) playing = requestAnimationFrame(step); else stop();
+    };
+    playing = requestAnimationFrame(step);
+  });
+
+  scene.setAttribute("aria-valuemin", 1);
+  scene.setAttribute("aria-valuemax", lines.length);
+  state.start = Math.floor(data.starts.length / 2);
+  starts.value = state.start;
+  chooser.value = state.picked;
+  at("moving").hidden = false;
+  state.time = line().time[deepest()];
+  show();
+  let width = scene.clientWidth;
+  new ResizeObserver(() => {
+    if (scene.clientWidth !== width) { width = scene.clientWidth; show(); }
+  }).observe(scene);
+})();

@@ -1,0 +1,145 @@
+"""The sources of what ran: which of them a study makes use of, and how they are written.
+
+`USES` says which parameters make use of a source; the sources themselves are in
+``data/references.bib``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from markupsafe import Markup
+
+__all__ = ["USES", "Source", "Use", "read_sources", "sources_of", "written"]
+
+_ENTRY = re.compile(r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<fields>.*?)^\}", re.M | re.S)
+_FIELD = re.compile(r"^  (?P<name>\w+) = \{(?P<value>.*)\},$", re.M)
+
+
+@dataclass(frozen=True)
+class Source:
+    """An entry of the bibliography.
+
+    Parameters
+    ----------
+    key : str
+        Its key.
+    fields : mapping
+        Its fields, such as ``author``, ``title``, ``doi``.
+    bibtex : str
+        The entry itself.
+    """
+
+    key: str
+    fields: Mapping[str, str]
+    bibtex: str
+
+
+@dataclass(frozen=True)
+class Use:
+    """When a source is made use of.
+
+    Parameters
+    ----------
+    key : str
+        Key of the source.
+    what : str
+        What comes from it.
+    applies : callable
+        From the flattened parameters of a study (``{"fiber.model": ...}``) to whether it does.
+    """
+
+    key: str
+    what: str
+    applies: Callable[[Mapping[str, Any]], bool]
+
+
+def _always(_values: Mapping[str, Any]) -> bool:
+    return True
+
+
+def _has(part: str) -> Callable[[Mapping[str, Any]], bool]:
+    return lambda values: part in values["study.parts"]
+
+
+def _unbounded(values: Mapping[str, Any]) -> bool:
+    """Tell whether the closed forms of a fiber in an unbounded melt answer for it."""
+    parts = values["study.parts"]
+    return values["fiber.model"] != "confined-ellipse" or bool({"orbits", "dimensions"} & {*parts})
+
+
+USES = (
+    Use("awenlimobor2024", "the study, its melt, its fiber and its claims", _always),
+    Use(
+        "jeffery1922", "motion of a fiber in an unbounded melt, and the pressure on it", _unbounded
+    ),
+    Use("schoberl1997", "meshes, and with NGSolve the finite elements", _always),
+    Use("harris2020", "arrays", _always),
+    Use("virtanen2020", "time integration, interpolation and root finding", _always),
+    Use("hoyer2017", "labelled results", _always),
+    Use("hunter2007", "figures", _always),
+)
+"""In the order of the report; what has no entry here is in the bibliography for later use."""
+
+
+@cache
+def read_sources() -> Mapping[str, Source]:
+    """Return the whole bibliography by key, in its order."""
+    text = files("fibermelt.data").joinpath("references.bib").read_text(encoding="utf-8")
+    return {
+        entry["key"]: Source(
+            key=entry["key"],
+            fields={field["name"]: field["value"] for field in _FIELD.finditer(entry["fields"])},
+            bibtex=entry[0],
+        )
+        for entry in _ENTRY.finditer(text)
+    }
+
+
+def sources_of(values: Mapping[str, Any]) -> list[tuple[Source, str]]:
+    """Return the sources that a study makes use of, and what comes from each.
+
+    Parameters
+    ----------
+    values : mapping
+        The study's parameters, flattened.
+
+    Raises
+    ------
+    KeyError
+        If `USES` names a source that is not in the bibliography.
+    """
+    every = read_sources()
+    return [(every[use.key], use.what) for use in USES if use.applies(values)]
+
+
+def written(source: Source) -> Markup:
+    """Return a source as one line of a bibliography, with a link where it has a DOI or arXiv."""
+    fields = source.fields
+    where = fields.get("journal", fields.get("school", ""))
+    if "school" in fields:
+        where = f"dissertation, {where}"
+    place = " ".join(filter(None, [where, fields.get("volume", "")]))
+    if pages := fields.get("pages", "").replace("--", "–"):
+        place += f", {pages}"
+    line = Markup("{} ({}). <cite>{}</cite>. {}.").format(
+        _authors(fields["author"]), fields["year"], fields["title"], place
+    )
+    if doi := fields.get("doi"):
+        line += Markup(' <a href="https://doi.org/{0}">doi:{0}</a>').format(doi)
+    elif eprint := fields.get("eprint"):
+        line += Markup(' <a href="https://arxiv.org/abs/{0}">arXiv:{0}</a>').format(eprint)
+    return line
+
+
+def _authors(text: str) -> str:
+    """Return ``Last, First and Last, First`` as ``Last, First, Last, First and others``."""
+    names = text.split(" and ")
+    if names[-1] == "others":
+        return f"{', '.join(names[:-1])} and others"
+    return "; ".join(names)

@@ -1,0 +1,128 @@
+"""Numbers as text, and rows as HTML tables that a screen reader can read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+__all__ = ["Column", "measured", "number", "table"]
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+SMALLEST, LARGEST = 1e-3, 1e6
+"""Magnitudes between which a number is written without a power of ten."""
+
+ERROR_DIGITS = 2
+"""Significant digits of an error estimate: it is no better known."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    title : str
+        What stands in it.
+    unit : str
+        Unit of its numbers; empty for words and pure numbers.
+    is_text : bool
+        Whether it holds words, set to the left, rather than numbers.
+    """
+
+    title: str
+    unit: str = ""
+    is_text: bool = False
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Return a number with so many significant digits; a dash where there is none.
+
+    Parameters
+    ----------
+    value : float or None
+        The number; None and NaN stand for what does not exist.
+    digits : int
+        Significant digits.
+    """
+    if value is None or math.isnan(value):
+        return "–"
+    if value == 0 or math.isinf(value):
+        return f"{value:g}".replace("inf", "∞").replace("-", "−")
+    if isinstance(value, int) or SMALLEST <= abs(value) < LARGEST:
+        power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+        text = f"{value:.{max(0, digits - 1 - power)}f}" if value != int(value) else f"{value:.0f}"
+        return text.replace("-", "−")
+    mantissa, power_text = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa} × 10{str(int(power_text)).translate(_RAISED)}".replace("-", "−")
+
+
+def measured(value: float, error: float) -> str:
+    """Return a number with its error estimate, written to the error's digits.
+
+    Parameters
+    ----------
+    value, error : float
+        The number and its error, in the same unit; an error that is not finite or not above
+        zero is not told.
+    """
+    if not (math.isfinite(error) and error > 0):
+        return number(value)
+    places = max(0, ERROR_DIGITS - 1 - math.floor(math.log10(error)))
+    if places > -math.log10(SMALLEST) + ERROR_DIGITS:
+        return f"{number(value, 6)} ± {number(error, ERROR_DIGITS)}"
+    return f"{value:.{places}f} ± {error:.{places}f}".replace("-", "−")
+
+
+def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> Markup:
+    """Return rows as an HTML table that scrolls inside itself where it is too wide.
+
+    Parameters
+    ----------
+    caption : str
+        What the table tells.
+    columns : sequence of Column
+        Its columns; the first names the rows.
+    rows : iterable of sequences of str
+        Its cells; what is not `Markup` is escaped.
+
+    Raises
+    ------
+    ValueError
+        If a row has not as many cells as there are columns.
+    """
+    head = Markup().join(
+        Markup('<th scope="col"{}>{}{}</th>').format(
+            _kind(column), column.title, _unit(column.unit)
+        )
+        for column in columns
+    )
+    body = Markup("\n").join(_row(columns, cells) for cells in rows)
+    return Markup(
+        '<div class="scroll" role="region" tabindex="0" aria-label="{0}">\n'
+        "<table><caption>{0}</caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
+        "\n</div>\n"
+    ).format(caption, head, body)
+
+
+def _row(columns: Sequence[Column], cells: Sequence[str]) -> Markup:
+    if len(cells) != len(columns):
+        msg = f"a table of {len(columns)} columns was given a row of {len(cells)} cells"
+        raise ValueError(msg)
+    first = Markup('<th scope="row">{}</th>').format(cells[0])
+    rest = (
+        Markup('<td{} data-label="{}">{}</td>').format(_kind(column), column.title, cell)
+        for column, cell in zip(columns[1:], cells[1:], strict=True)
+    )
+    return Markup("<tr>{}{}</tr>").format(first, Markup().join(rest))
+
+
+def _kind(column: Column) -> Markup:
+    return Markup() if column.is_text else Markup(' class="number"')
+
+
+def _unit(unit: str) -> Markup:
+    return Markup(' <span class="unit">[{}]</span>').format(unit) if unit else Markup()

@@ -1,0 +1,230 @@
+"""The report in a browser: from disk, silent, without a request, and its moving figure moves.
+
+It needs Chromium (on Debian: ``apt-get install chromium``) and Playwright (``pip install
+playwright``; its own browsers are not needed).
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+# The made-up results are the unit tests' own; nothing but this file needs them here.
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+from stored_bead import stored_results, stored_summary
+
+from fibermelt.report.html import render
+
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason="needs Playwright: pip install playwright"
+)
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="needs Chromium: on Debian, apt-get install chromium"
+)
+
+PHONE, DESKTOP = (375, 740), (1280, 900)
+
+every_width = pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    results = stored_results()
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    path.write_bytes(render(results, stored_summary(results)))
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def opened(chromium: Any, address: str) -> Iterator[Any]:
+    """Opens the page at a size; at the end it must have said and asked for nothing."""
+    faults: list[str] = []
+    contexts: list[Any] = []
+
+    def visit(size: tuple[int, int], **options: Any) -> Any:
+        context = chromium.new_context(
+            viewport={"width": size[0], "height": size[1]}, offline=True, **options
+        )
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: faults.append(f"console: {message.text}"))
+        page.on("pageerror", lambda error: faults.append(f"error: {error}"))
+        page.on(
+            "request",
+            lambda request: (
+                None
+                if request.url == address or request.url.startswith("data:")
+                else faults.append(f"request: {request.url}")
+            ),
+        )
+        page.goto(address)
+        return page
+
+    yield visit
+    for context in contexts:
+        context.close()
+    assert not faults
+
+
+def told(page: Any, name: str) -> str:
+    return str(page.inner_text(f"#out-{name}"))
+
+
+@every_width
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
+    page = opened(size, color_scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    assert page.evaluate(
+        "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
+    )
+    ink, paper = (
+        page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("color", "background")
+    )
+    assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
+
+
+def rgb(css: str) -> list[int]:
+    return [int(part) for part in css.partition("(")[2].partition(")")[0].split(",")[:3]]
+
+
+@every_width
+def test_a_streamline_can_be_picked(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    before = told(page, "deepest")
+    page.select_option("#pick-line", label="2")
+    assert page.locator("#scene [data-line='2']").count() == 1
+    assert told(page, "deepest") != before
+    page.focus("#scene")
+    page.keyboard.press("ArrowRight")
+    assert page.input_value("#pick-line") == "2"
+    assert "streamline 3" in page.get_attribute("#scene", "aria-valuetext")
+    page.keyboard.press("End")
+    page.keyboard.press("ArrowRight")
+    assert page.input_value("#pick-line") == "5"
+    page.keyboard.press("Home")
+    assert page.get_attribute("#scene", "aria-valuenow") == "1"
+
+
+def over_the_line(page: Any, number: int) -> tuple[float, float]:
+    """Return a point of the window on a streamline, where it leaves the bead."""
+    page.select_option("#pick-line", label=str(number))
+    page.locator("#scene").scroll_into_view_if_needed()
+    x, y = page.evaluate(
+        """number => {
+          const line = document.querySelector(`#scene [data-line='${number}']`);
+          const point = line.getPointAtLength(0.9 * line.getTotalLength());
+          const box = document.querySelector('#scene').getBoundingClientRect();
+          return [box.left + point.x, box.top + point.y];
+        }""",
+        number,
+    )
+    return x, y
+
+
+def test_pointing_shows_and_a_click_keeps(opened: Any) -> None:
+    page = opened(DESKTOP)
+    at = over_the_line(page, 5)
+    page.select_option("#pick-line", label="2")
+    page.mouse.move(*at)
+    assert page.locator("#scene [data-line='5']").count() == 1
+    assert page.input_value("#pick-line") == "1"
+    page.mouse.move(2, 2)
+    assert page.locator("#scene [data-line='2']").count() == 1
+    page.mouse.click(*at)
+    page.mouse.move(2, 2)
+    assert page.locator("#scene [data-line='5']").count() == 1
+    assert page.input_value("#pick-line") == "4"
+
+
+def test_a_finger_picks_too(opened: Any) -> None:
+    page = opened(PHONE, has_touch=True, is_mobile=True)
+    at = over_the_line(page, 5)
+    page.select_option("#pick-line", label="2")
+    page.touchscreen.tap(*at)
+    assert page.input_value("#pick-line") == "4"
+
+
+@every_width
+def test_time_and_fiber_follow_their_sliders(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    ellipse = page.locator("#scene ellipse")
+    page.focus("#pick-time")
+    page.keyboard.press("Home")
+    first = told(page, "time"), ellipse.get_attribute("transform")
+    assert first[0] == "0.000 s"
+    for _ in range(3):
+        page.keyboard.press("PageUp")
+    assert told(page, "time") != first[0]
+    assert ellipse.get_attribute("transform") != first[1]
+    assert told(page, "time") in page.get_attribute("#pick-time", "aria-valuetext")
+    before = told(page, "angle"), page.inner_text("#start-shown")
+    page.focus("#pick-start")
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text("#start-shown") == "90°"
+    assert (told(page, "angle"), page.inner_text("#start-shown")) != before
+    page.click("#view-exit")
+    assert page.get_attribute("#view-exit", "aria-pressed") == "true"
+
+
+def test_readouts_are_the_stored_numbers(opened: Any) -> None:
+    results = stored_results()
+    page = opened(DESKTOP)
+    page.select_option("#pick-line", label="3")
+    page.focus("#pick-time")
+    page.keyboard.press("End")
+    middle = results.sizes["initial_angle"] // 2
+    last = results.isel(streamline=2, initial_angle=middle, point=-1)
+    low = 1e-6 * float(last["pressure"] + last["lowest"])
+    shown = float(told(page, "low").removesuffix(" MPa").replace("−", "-"))
+    # The page holds two numbers in whole kilopascals, each rounded by at most half of one.
+    assert shown == pytest.approx(low, abs=1.01e-3)
+    assert told(page, "place").startswith(f"{1e3 * float(last['x']):.2f}, ")
+
+
+def test_playing_goes_on_until_it_is_stopped(opened: Any) -> None:
+    page = opened(DESKTOP)
+    page.focus("#pick-time")
+    page.keyboard.press("Home")
+    page.click("#play")
+    page.wait_for_function("document.querySelector('#out-time').textContent !== '0.000 s'")
+    assert page.get_attribute("#play", "aria-label") == "Pause"
+    page.click("#play")
+    stopped = told(page, "time")
+    assert page.get_attribute("#play", "aria-label") == "Play"
+    page.wait_for_timeout(100)
+    assert told(page, "time") == stopped
+
+
+def test_the_keyboard_reaches_the_content_first(opened: Any) -> None:
+    page = opened(DESKTOP)
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+
+
+def test_without_script_the_overview_stays(opened: Any) -> None:
+    page = opened(PHONE, java_script_enabled=False)
+    assert page.locator("#figure-overview img").is_visible()
+    assert not page.locator("#moving").is_visible()
+
+
+def test_it_prints(opened: Any) -> None:
+    page = opened(DESKTOP)
+    assert page.pdf()[:5] == b"%PDF-"
+    page.emulate_media(media="print")
+    assert not page.locator("#moving").is_visible()
+    assert not page.locator("nav").is_visible()

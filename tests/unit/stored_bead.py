@@ -1,0 +1,100 @@
+"""The made-up bead as a finished run: results with a study, a summary, and a folder of both."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from drawn_bead import ASPECT, made_up
+
+from fibermelt.report.figures import draw_figures
+from fibermelt.study.config import Config
+from fibermelt.study.files import write_through
+from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.schema import SCHEMA
+from fibermelt.study.store import Store
+from fibermelt.study.summary import summarize_bead
+from fibermelt.study.toml import resolved_toml
+from fibermelt.study.variables import labelled
+
+CLAIMS = [
+    {
+        "id": "period",
+        "section": "Section 2.4",
+        "statement": "A period at 1 1/s.",
+        "paper": "38.75 s",
+        "ours": 38.74,
+        "verdict": "holds",
+        "reason": "",
+    },
+    {
+        "id": "uniform",
+        "section": "Section 3",
+        "statement": "Minima are uniform.",
+        "paper": -0.5,
+        "ours": -0.39,
+        "verdict": "differs",
+        "reason": "by 0.11 MPa",
+    },
+]
+
+
+def stored_results(
+    count: int = 6, angles: int = 3, name: str = "made up", config: Config | None = None
+) -> xr.Dataset:
+    """Return results as results.nc holds them, study included."""
+    bare = made_up(count=count, angles=angles)
+    turn = np.linspace(0.0, 1.0, bare.sizes["point"])
+    angle = np.broadcast_to(
+        bare["initial_angle"].to_numpy()[None, :, None] + turn, (count, angles, len(turn))
+    )
+    more: dict[str, Any] = {
+        "angle": angle,
+        "zone_angle": angle[..., :3],
+        "bead_height": 3e-3,
+        "contact_point_error": 2e-6,
+        "mass_imbalance": 1e-10,
+        "kinematic_residual": 2e-5,
+        "newton_steps": 9,
+        "stream_function_drift": np.zeros(count),
+        "shape_factor": 0.95,
+        "shape_factor_error": 1e-6,
+        "stall_angle": np.nan,
+        "tip_pressure": 2 * ASPECT,
+        "tip_pressure_error": 1e-4,
+    }
+    results = bare.merge(labelled(more))
+    results.attrs = {
+        "title": f"fibermelt study {name}",
+        "schema": SCHEMA,
+        "config": resolved_toml(
+            config or Config(), f"The study {name} (made.toml) as it was run, in SI."
+        ),
+        "software": json.dumps({"python": "3.11.7", "fibermelt": "0.1.0"}),
+    }
+    return results
+
+
+def stored_summary(results: xr.Dataset, *, claims: bool = True) -> dict[str, Any]:
+    """Return the summary of such results."""
+    summary: dict[str, Any] = {"schema": SCHEMA, **summarize_bead(results)}
+    if claims:
+        summary["claims"] = CLAIMS
+    return {**summary, "cost": {"flow": 8.7, "total": 12.3}}
+
+
+def store(folder: Path) -> Path:
+    """Make a folder that holds a finished run, and return it."""
+    results = stored_results()
+
+    def write(into: Path) -> None:
+        write_through(into / "results.nc", to_bytes(results))
+        write_through(into / "summary.json", json.dumps(stored_summary(results)).encode())
+        (into / "figures").mkdir()
+        draw_figures(results, into / "figures")
+
+    Store.open(folder).publish("key", write)
+    return folder
