@@ -14,6 +14,8 @@ from fibermelt.report.cell import cell_words, figure_cell
 from fibermelt.report.domain import domain_words, figure_domain
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
+from fibermelt.report.interaction import INTERACTION_FIGURES
+from fibermelt.report.orientation import ORIENTATION_FIGURES
 from fibermelt.report.overview import figure_overview, overview_words
 from fibermelt.report.plates import Plate
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
@@ -35,6 +37,8 @@ FIGURES = (
     Plate("gradients", "Velocity gradient near the exit", figure_gradients, gradients_words),
     Plate("cell", "The fiber's cell", figure_cell, cell_words),
     Plate("history", "Pressure on fibers along a streamline", figure_history, history_words),
+    *ORIENTATION_FIGURES,
+    *INTERACTION_FIGURES,
     *ORBIT_FIGURES,
     *DIMENSION_FIGURES,
 )
