@@ -53,9 +53,9 @@ def across_words(results: xr.Dataset) -> Words:
         ),
         alt=(
             "Two maps and two charts. Fibers line up with the flow on the way to the capillary "
-            f"and turn with it onto the bed. In the finished bead the tensor has {ranges}. On the lowest "
-            f"streamline, {height[low]:.2f} mm high, a_xx is {a[low, 0, 0]:.2f} and the preferred "
-            f"direction {angle[low]:.1f}°; on the highest, at {height[high]:.2f} mm, "
+            f"and turn with it onto the bed. In the finished bead the tensor has {ranges}. On the "
+            f"lowest streamline, {height[low]:.2f} mm high, a_xx is {a[low, 0, 0]:.2f} and the "
+            f"preferred direction {angle[low]:.1f}°; on the highest, at {height[high]:.2f} mm, "
             f"{a[high, 0, 0]:.2f} and {angle[high]:.1f}°."
         ),
     )
