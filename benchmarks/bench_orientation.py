@@ -12,6 +12,7 @@ from conftest import seconds
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.evolve import NODES, follow_orientation
 from fibermelt.orientation.flows import FLOWS, strain_and_spin
+from fibermelt.orientation.fokker_planck import steady_distribution
 from fibermelt.orientation.models import FolgarTucker, shape_factor
 from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
@@ -63,3 +64,10 @@ def test_steady_state(benchmark: BenchmarkFixture, name: str) -> None:
     """The paper's fiber in simple shear, continuation included."""
     model = FolgarTucker(XI, INTERACTION)
     benchmark(lambda: steady_state(model, FLOWS["simple-shear"], CLOSURES[name]))
+
+
+@pytest.mark.parametrize("interaction", [1e-3, INTERACTION, 0.1])
+def test_steady_distribution(benchmark: BenchmarkFixture, interaction: float) -> None:
+    """The distribution itself in simple shear; at the paper's ``C_I`` it is asked within 0.1 s."""
+    found = benchmark(lambda: steady_distribution(FLOWS["simple-shear"], XI, interaction))
+    benchmark.extra_info |= {"degree": found.degree, "residual": found.residual}

@@ -69,7 +69,8 @@ ClosureOption = Annotated[
     str,
     typer.Option(
         metavar="NAME",
-        help="linear, quadratic, hybrid, ORS, ORF, ORL, ORW, ORW3, ORE, IBOF, exact.",
+        help="linear, quadratic, hybrid, ORS, ORF, ORL, ORW, ORW3, ORE, IBOF, exact; or "
+        "exact-pdf, the distribution itself, which needs none.",
     ),
 ]
 ConventionOption = Annotated[
@@ -88,7 +89,10 @@ def orientation(
         str, typer.Option(metavar="NAME", help="folgar-tucker, rsc, iard, pard, mrd or nematic.")
     ] = "folgar-tucker",
     flow: Annotated[
-        str, typer.Option(metavar="NAME", help="simple-shear, uniaxial, biaxial or planar.")
+        str,
+        typer.Option(
+            metavar="NAME", help="simple-shear (v_1 = x_2), uniaxial, biaxial, planar or mixed."
+        ),
     ] = "simple-shear",
     convention: ConventionOption = "standard",
     parameter: Annotated[
@@ -97,7 +101,7 @@ def orientation(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find how the fibers of a suspension lie in a steady flow; --closure exact-pdf needs none."""
+    """Find how the fibers of a suspension lie in a steady flow of unit rate."""
     with told():
         from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.orientation import (  # noqa: PLC0415
@@ -136,12 +140,12 @@ def domain_size(
 ) -> None:
     """Find the cell that stands for a fiber content: where its fiber stalls, fibers lie."""
     with told():
-        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.orientation import (  # noqa: PLC0415
+        from fibermelt.study.domain_size import (  # noqa: PLC0415  lazy, as in run
             DomainStudy,
             domain_in_words,
             run_domain_size,
         )
+        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415
 
         given = None if interaction is None else read_quantity("--interaction", interaction, "")
         answer = run_domain_size(

@@ -16,6 +16,8 @@ from fibermelt.report.domain import domain_words, figure_domain
 from fibermelt.report.extremes import extremes_words, figure_extremes
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
+from fibermelt.report.interaction import INTERACTION_FIGURES
+from fibermelt.report.orientation import ORIENTATION_FIGURES
 from fibermelt.report.overview import figure_overview, overview_words
 from fibermelt.report.plates import Plate
 from fibermelt.report.positions import figure_positions, positions_words
@@ -85,6 +87,8 @@ FIGURES = (
         alignment_words,
         paper="Fig. 20",
     ),
+    *ORIENTATION_FIGURES,
+    *INTERACTION_FIGURES,
     *ORBIT_FIGURES,
     *DIMENSION_FIGURES,
 )

@@ -93,7 +93,7 @@ CHAIN = Chain(
             motion_stage,
             inputs_if=_from_content,
         ),
-        Stage("orientation", 1, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage("orientation", 2, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
         Stage(
             "interaction",
             1,

@@ -1,4 +1,4 @@
-"""A suspension in a homogeneous flow: what `fibermelt orientation` and `domain-size` answer.
+"""A suspension in a homogeneous flow: what `fibermelt orientation` answers.
 
 What computes is imported when it is asked for, as in the stages.
 """
@@ -11,13 +11,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError, legible
-from fibermelt.study.orientation_stages import (
-    DISTRIBUTION,
-    folgar_tucker,
-    interaction_coefficient,
-    preferred_angle,
-    rotary_diffusivity,
-)
+from fibermelt.study.orientation_stages import DISTRIBUTION, rotary_diffusivity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,12 +20,10 @@ if TYPE_CHECKING:
     from fibermelt.orientation.kinetics import OrientationModel
 
 __all__ = [
-    "DomainStudy",
     "OrientationStudy",
-    "domain_in_words",
+    "check_closure",
     "orientation_in_words",
     "read_parameters",
-    "run_domain_size",
     "run_orientation",
 ]
 
@@ -70,39 +62,13 @@ class OrientationStudy:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class DomainStudy:
-    """A suspension whose content decides the size of the cell.
-
-    Parameters
-    ----------
-    aspect_ratio : float
-        ``r_e`` [-], above one.
-    volume_fraction : float
-        ``v_f`` [-], in (0, 1).
-    closure, convention : str
-        As in `OrientationStudy`.
-    interaction : float, optional
-        ``C_I`` [-]; from the law if not given.
-    law : str
-        One of `fibermelt.orientation.interaction.INTERACTION_LAWS`.
-    """
-
-    aspect_ratio: float
-    volume_fraction: float
-    closure: str = "ORE"
-    convention: str = "standard"
-    interaction: float | None = None
-    law: str = "bay"
-
-
 def read_parameters(given: Sequence[str]) -> dict[str, float]:
     """Return ``{"kappa": 0.1}`` of ``["kappa=0.1"]``.
 
     Raises
     ------
     ConfigError
-        If one is no name and number.
+        If one is no name and number, or is given twice.
     """
     from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy: see the module
 
@@ -112,7 +78,11 @@ def read_parameters(given: Sequence[str]) -> dict[str, float]:
         if not equals:
             msg = f"--parameter {legible(text)}: write it as name=value, such as kappa=0.1"
             raise ConfigError(msg)
-        found[name.strip()] = read_quantity(f"--parameter {legible(name.strip())}", value, "")
+        key = name.strip()
+        if key in found:
+            msg = f"--parameter {legible(key)}: is given twice; which one is meant?"
+            raise ConfigError(msg)
+        found[key] = read_quantity(f"--parameter {legible(key)}", value, "")
     return found
 
 
@@ -129,8 +99,8 @@ def run_orientation(study: OrientationStudy) -> dict[str, Any]:
     dict
         ``a`` (3x3), ``angle`` of the preferred direction in the plane of 1 and 2 [rad],
         ``eigenvalues`` descending, ``iterations`` of Newton (0 for the distribution, which is one
-        linear solve), ``residual`` over the rate of deformation, and ``stable``, None for the
-        distribution.
+        linear solve), ``residual`` over the rate of deformation, ``physical`` (eigenvalues in
+        [0, 1]) and ``stable`` (every small change dies away).
 
     Raises
     ------
@@ -143,6 +113,7 @@ def run_orientation(study: OrientationStudy) -> dict[str, Any]:
     from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
     from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
 
+    check_closure(study.closure)
     gradient = flow_gradient(study.flow)
     model = _model(study)
     if study.closure == DISTRIBUTION:
@@ -159,15 +130,29 @@ def run_orientation(study: OrientationStudy) -> dict[str, Any]:
     }
 
 
+def check_closure(name: str) -> None:
+    """Refuse what is neither a closure nor the distribution itself."""
+    from fibermelt.orientation.closures import CLOSURES  # noqa: PLC0415  lazy: see the module
+    from fibermelt.orientation.flows import nearest_name  # noqa: PLC0415
+
+    known = {**CLOSURES, DISTRIBUTION: None}
+    if name not in known:
+        raise ConfigError(nearest_name("closure", name, known))
+
+
 def _model(study: OrientationStudy) -> OrientationModel:
     """Return the model that a study names, with all that it takes and nothing else."""
     from fibermelt.fiber.shape import jeffery_factor  # noqa: PLC0415  lazy: see the module
+    from fibermelt.orientation.interaction import checked_interaction  # noqa: PLC0415
     from fibermelt.orientation.models import model_class  # noqa: PLC0415
 
     kind = model_class(study.model)
+    if study.aspect_ratio < 1.0:
+        msg = f"fiber.aspect_ratio = {study.aspect_ratio:g}: must be at least 1 (length over width)"
+        raise ConfigError(msg)
     given: dict[str, Any] = {
         "shape_factor": jeffery_factor(study.aspect_ratio),
-        "interaction": study.interaction,
+        "interaction": checked_interaction(study.interaction),
         "convention": study.convention,
     }
     names = [one.name for one in fields(kind)]
@@ -226,14 +211,11 @@ def orientation_in_words(answer: Mapping[str, Any]) -> str:
     """Return what `run_orientation` found as a few lines for a person."""
     a = answer["a"]
     rows = ["  ".join(f"{value:9.6f}" for value in row) for row in a]
-    warnings = [
-        f"note            {line}"
-        for holds, line in (
-            (
-                answer["physical"],
-                "note            no fibers are oriented so: eigenvalues leave [0, 1]",
-            ),
-            (answer["stable"], "note            not stable: small changes grow"),
+    notes = [
+        note
+        for holds, note in (
+            (answer["physical"], "no fibers are oriented so: eigenvalues leave [0, 1]"),
+            (answer["stable"], "not stable: not every small change dies away"),
         )
         if not holds
     ]
@@ -241,61 +223,20 @@ def orientation_in_words(answer: Mapping[str, Any]) -> str:
         [
             f"orientation     {rows[0]}",
             *(f"                {row}" for row in rows[1:]),
-            f"preferred       {math.degrees(answer['angle']):.3f} deg from the flow "
-            f"({answer['angle']:.5f} rad)",
+            f"preferred       {_preferred(a, answer['angle'])}",
             "eigenvalues     " + "  ".join(f"{value:.6f}" for value in answer["eigenvalues"]),
             f"solved          {answer['iterations']} iterations, residual {answer['residual']:.1e}",
-            *warnings,
+            *(f"note            {note}" for note in notes),
         ]
     )
 
 
-def run_domain_size(study: DomainStudy) -> dict[str, Any]:
-    """Return the cell that a fiber content stands for, as JSON has it.
-
-    Parameters
-    ----------
-    study : DomainStudy
-        The suspension.
-
-    Returns
-    -------
-    dict
-        ``interaction`` C_I, ``preferred_angle`` [rad], ``domain_size`` M, ``regime`` of
-        concentration and ``largest_stalling_domain``.
-
-    Raises
-    ------
-    ConfigError
-        If a parameter is out of its range, or no cell stalls the fiber at the preferred angle.
-    """
-    from fibermelt.fiber.stall import stall_curve  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.interaction import regime  # noqa: PLC0415
-
-    concentration = regime(study.volume_fraction, study.aspect_ratio)
-    interaction = interaction_coefficient(
-        study.interaction, study.law, study.volume_fraction, study.aspect_ratio
-    )
-    model = folgar_tucker(study.aspect_ratio, interaction, study.convention)
-    angle = preferred_angle(model, study.closure)
-    curve = stall_curve(study.aspect_ratio)
-    return {
-        "interaction": interaction,
-        "preferred_angle": angle,
-        "domain_size": curve.domain_size_at(angle),
-        "regime": concentration,
-        "largest_stalling_domain": curve.largest_stalling_domain,
-    }
+ALIKE = 1e-9
+"""Difference of the eigenvalues in the plane below which no direction is preferred: rounding."""
 
 
-def domain_in_words(answer: Mapping[str, Any]) -> str:
-    """Return what `run_domain_size` found as a few lines for a person."""
-    angle = math.degrees(answer["preferred_angle"])
-    return "\n".join(
-        [
-            f"interaction     C_I = {answer['interaction']:.5f} ({answer['regime']} suspension)",
-            f"preferred       {angle:.3f} deg from the flow in simple shear",
-            f"domain size     M = {answer['domain_size']:.4f}: a fiber in that cell stalls there",
-            f"stalls          in cells up to M = {answer['largest_stalling_domain']:.4f}",
-        ]
-    )
+def _preferred(a: Sequence[Sequence[float]], angle: float) -> str:
+    """Return the preferred direction in the plane of 1 and 2 in words."""
+    if math.hypot(a[0][0] - a[1][1], 2.0 * a[0][1]) < ALIKE:
+        return "none in the plane of 1 and 2"
+    return f"{math.degrees(angle):.3f} deg from direction 1 ({angle:.5f} rad)"

@@ -174,6 +174,8 @@ def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "orientation_error": found.error,
             "orientation_violation": found.violation,
             "orientation_interaction": interaction,
+            "orientation_closure": closure.name,
+            "orientation_convention": model.convention,
             "closure_streamline": int(lines["streamline"][center]),
             "closure_exact": exact,
             "closure_exact_error": exact_error,

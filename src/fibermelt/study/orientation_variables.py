@@ -52,6 +52,8 @@ ORIENTATION_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "orientation_error": ("streamline", "1", "estimated error of its components"),
     "orientation_violation": ("streamline", "1", "how far its eigenvalues leave [0, 1]"),
     "orientation_interaction": ("", "1", "interaction coefficient C_I along the streamlines"),
+    "orientation_closure": ("", "1", "closure of the fourth moment along the streamlines"),
+    "orientation_convention": ("", "1", "which rate of deformation multiplies C_I there"),
     "closure_streamline": ("", "1", "streamline along which the closure is judged"),
     "closure_exact": ("point axis other_axis", "1", "tensor of the distribution itself there"),
     "closure_exact_error": ("", "1", "estimated error of it"),

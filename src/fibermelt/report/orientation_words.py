@@ -1,0 +1,90 @@
+"""Captions and alternative texts of the figures on orientation, with their numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fibermelt.report.lines import features
+from fibermelt.report.scene import MM
+from fibermelt.report.style import Words
+from fibermelt.report.tensors import angle_from, closure_row, component_along, tensors
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["across_words", "history_words"]
+
+
+def _model(results: xr.Dataset) -> str:
+    """Return what was integrated."""
+    closure = results["orientation_closure"].item()
+    convention = results["orientation_convention"].item()
+    text = (
+        f"Folgar-Tucker with the closure {closure} and C_I = "
+        f"{float(results['orientation_interaction']):.4f} ({convention} convention), the error of "
+        f"the integration up to {float(results['orientation_error'].max()):.0e}"
+    )
+    violation = float(results["orientation_violation"].max())
+    if violation > 0.0:
+        text += f"; eigenvalues leave [0, 1] by up to {violation:.1e}, as closures may"
+    return text
+
+
+def across_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_across`."""
+    a = tensors(results)[:, -1]
+    angle = np.degrees(angle_from(a))
+    height = MM * results["y"].to_numpy()[:, -1]
+    low, high = int(np.argmin(height)), int(np.argmax(height))
+    ranges = ", ".join(
+        f"a_{name}{name} {a[:, k, k].min():.2f} to {a[:, k, k].max():.2f}"
+        for k, name in enumerate("xyz")
+    )
+    return Words(
+        caption=(
+            f"Orientation of the fibers: {_model(results)}. (a), (b) Component of the orientation "
+            "tensor along the streamline; bars lie along the preferred direction in the plane and "
+            "are as long as its two eigenvalues in the plane differ. (c) Diagonal of the tensor "
+            "and (d) preferred direction from the bed's motion, counter-clockwise, at the outlet, "
+            "one mark for each streamline; dotted: isotropic, and along the bed. White in the "
+            "maps: beyond the outermost streamlines."
+        ),
+        alt=(
+            "Two maps and two charts. Fibers line up with the flow on the way to the capillary "
+            f"and turn with it onto the bed. In the finished bead the tensor has {ranges}. On the "
+            f"lowest streamline, {height[low]:.2f} mm high, a_xx is {a[low, 0, 0]:.2f} and the "
+            f"preferred direction {angle[low]:.1f}°; on the highest, at {height[high]:.2f} mm, "
+            f"{a[high, 0, 0]:.2f} and {angle[high]:.1f}°."
+        ),
+    )
+
+
+def history_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_tensor_history`."""
+    along = component_along(results)
+    row = closure_row(results)
+    time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
+    worst = int(np.argmax(error))
+    told = "; ".join(
+        f"on streamline {f.number} it reaches {along[f.row].max():.2f} and ends at "
+        f"{along[f.row, -1]:.2f}"
+        for f in features(results)
+    )
+    return Words(
+        caption=(
+            f"Orientation along the marked streamlines: {_model(results)}. (a) Component along the "
+            "streamline, (b) across the plane of the flow; dotted: isotropic; marks: zones 1 to 3. "
+            f"(c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
+            "and the distribution itself (dashed, Fokker-Planck, in error by up to "
+            f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
+            f"component, at most {error[worst]:.3f} at {time[worst]:.3f} s and {error[-1]:.3f} in "
+            "the finished bead."
+        ),
+        alt=(
+            "Three panels of curves over time. The component along the streamline rises on the "
+            f"way to the capillary and falls where the melt turns: {told}. The closure follows the "
+            f"distribution to within {error[worst]:.3f}."
+        ),
+    )
