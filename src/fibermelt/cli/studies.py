@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -56,7 +57,13 @@ def run(
         try:
             with observing() as observer:
                 summary = run_study(
-                    resolved, folder, CHAIN, draw=_draw, fresh=fresh, observer=observer
+                    resolved,
+                    folder,
+                    CHAIN,
+                    draw=_draw,
+                    report=_report,
+                    fresh=fresh,
+                    observer=observer,
                 )
         except KeyboardInterrupt:
             typer.echo(
@@ -82,6 +89,13 @@ def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
     from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy, as in run
 
     return draw_figures(results, folder)
+
+
+def _report(results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str, bytes]) -> bytes:
+    """Make the report, wired here for the same reason."""
+    from fibermelt.report.html import render  # noqa: PLC0415  lazy, as in run
+
+    return render(results, summary, drawn)
 
 
 def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:

@@ -15,7 +15,8 @@ from urllib.parse import quote
 
 from PIL import Image
 
-from fibermelt.report.figures import FIGURES, Plate, draw_figures
+from fibermelt.report.figures import FIGURES, draw_figures
+from fibermelt.report.plates import Plate
 
 if TYPE_CHECKING:
     import xarray as xr

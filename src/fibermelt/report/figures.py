@@ -52,6 +52,9 @@ FIGURES = (
         paper="Fig. 4",
     ),
     Plate("cell", "The fiber's cell", figure_cell, cell_words, paper="Fig. 5a and 6a"),
+    *ORBIT_FIGURES,
+    *DIMENSION_FIGURES,
+    *INTERACTION_FIGURES,
     Plate(
         "history",
         "Pressure on a fiber along a streamline",
@@ -88,9 +91,6 @@ FIGURES = (
         paper="Fig. 20",
     ),
     *ORIENTATION_FIGURES,
-    *INTERACTION_FIGURES,
-    *ORBIT_FIGURES,
-    *DIMENSION_FIGURES,
 )
 """The figures in the order of a report."""
 

@@ -22,14 +22,12 @@ from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
 from fibermelt.report.stored import read_finished
 from fibermelt.study.files import replace_file
+from fibermelt.study.schema import REPORT
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["REPORT", "render", "write_report"]
-
-REPORT = "report.html"
-"""Name of the report in a results folder."""
+__all__ = ["render", "write_report"]
 
 OVERVIEW = "overview"
 """The figure that stands first, above the one that moves."""

@@ -272,6 +272,7 @@ INTERACTION_FIGURES = (
         figure_interaction,
         interaction_words,
         ANGLES,
+        paper="Fig. 14",
     ),
     Plate(
         "interaction-domain-size",
@@ -279,6 +280,7 @@ INTERACTION_FIGURES = (
         figure_sizes,
         sizes_words,
         ANGLES,
+        paper="Fig. 15",
     ),
 )
 """What is drawn of the stage "interaction": Fig. 14 and 15."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import legible
+from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
 
 if TYPE_CHECKING:
@@ -101,5 +102,6 @@ def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Pat
             *(line for part in parts for line in part.words(summary)),
             f"cost            {cost}",
             f"results         {legible(str(folder), LONGEST_PATH)}",
+            f"report          {legible(str(folder / REPORT), LONGEST_PATH)}",
         ]
     )

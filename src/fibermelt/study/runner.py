@@ -17,7 +17,7 @@ from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import flatten
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
-from fibermelt.study.schema import SCHEMA
+from fibermelt.study.schema import REPORT, SCHEMA
 from fibermelt.study.stages import Stage, keys, stage_parameters
 from fibermelt.study.store import Record, Store
 from fibermelt.study.toml import resolved_toml
@@ -27,10 +27,13 @@ if TYPE_CHECKING:
 
     from fibermelt.study.loading import Study
 
-__all__ = ["DrawFigures", "run_study"]
+__all__ = ["DrawFigures", "WriteReport", "run_study"]
 
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
+
+WriteReport = Callable[["xr.Dataset", Mapping[str, Any], Mapping[str, bytes]], bytes]
+"""Makes the report of results and summary, with the figures that were drawn, by name."""
 
 SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib")
 """Packages whose versions are recorded beside the numbers."""
@@ -42,6 +45,7 @@ def run_study(
     chain: Chain,
     *,
     draw: DrawFigures | None = None,
+    report: WriteReport | None = None,
     fresh: bool = False,
     observer: Observer | None = None,
 ) -> dict[str, Any]:
@@ -57,6 +61,8 @@ def run_study(
         The stages to go through.
     draw : callable, optional
         Draws the figures; without it there are none.
+    report : callable, optional
+        Makes the report; without it there is none.
     fresh : bool
         Whether to compute every stage again, and replace what is stored, damaged or not.
     observer : Observer, optional
@@ -75,7 +81,7 @@ def run_study(
         If a stage has no answer, or the folder cannot be read or written. Stages that were
         finished before stay, and the next run goes on from them.
     """
-    run = _Run(study, chain, draw, observer or Silent(), time.perf_counter())
+    run = _Run(study, chain, draw, report, observer or Silent(), time.perf_counter())
     store = Store.open(directory, fresh=fresh)
     try:
         return run.into(store, fresh=fresh)
@@ -90,6 +96,7 @@ class _Run:
     study: Study
     chain: Chain
     draw: DrawFigures | None
+    report: WriteReport | None
     observer: Observer
     began: float
 
@@ -152,6 +159,7 @@ class _Run:
             "version": self.chain.version,
             "fibermelt": version("fibermelt"),
             "figures": self.draw is not None,
+            "report": self.report is not None,
         }
         return digest(canonical(content))
 
@@ -197,6 +205,12 @@ class _Run:
             summary["cost"]["total"] = time.perf_counter() - self.began
             text = json.dumps(summary, indent=1, allow_nan=False)
             write_through(folder / "summary.json", text.encode())
+            if self.report is not None:
+                self.observer.step("report", "started")
+                drawn = {path.name: path.read_bytes() for path in (folder / "figures").iterdir()}
+                page = self.report(results, json.loads(text), drawn)
+                write_through(folder / REPORT, page)
+                self.observer.done("report", f"{len(page) / 1e6:.1f} MB")
 
         store.publish(key, write)
         return summary

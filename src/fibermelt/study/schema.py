@@ -7,12 +7,15 @@ from pathlib import Path
 
 from fibermelt.errors import StoreError
 
-__all__ = ["OUTPUTS", "SCHEMA", "refuse_foreign"]
+__all__ = ["OUTPUTS", "REPORT", "SCHEMA", "refuse_foreign"]
 
 SCHEMA = 1
 """Version of the results folder and of summary.json; another one is never read or overwritten."""
 
-OUTPUTS = ("config.toml", "summary.json", "results.nc", "flow.vtu", "figures")
+REPORT = "report.html"
+"""Name of the report in a results folder."""
+
+OUTPUTS = ("config.toml", "summary.json", "results.nc", "flow.vtu", "figures", REPORT)
 """What lies on show in a results folder."""
 
 
