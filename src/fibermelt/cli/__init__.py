@@ -11,6 +11,7 @@ import typer
 from fibermelt.cli.fibers import orbit
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.versions import options, version
+from fibermelt.cli.voids import voids
 
 __all__ = ["app", "main"]
 
@@ -21,7 +22,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, validate, defaults, orbit, version):
+for command in (run, validate, defaults, orbit, voids, version):
     app.command()(command)
 
 

@@ -21,6 +21,7 @@ from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.overview import figure_overview, overview_words
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
 from fibermelt.report.style import Words, save
+from fibermelt.report.voids import figure_voids, voids_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +63,7 @@ FIGURES = (
     Plate("gradients", "Velocity gradient near the exit", figure_gradients, gradients_words),
     Plate("cell", "The fiber's cell", figure_cell, cell_words),
     Plate("history", "Pressure on fibers along a streamline", figure_history, history_words),
+    Plate("voids", "Where voids can start", figure_voids, voids_words, needs="void_margin"),
 )
 """The figures in the order of a report."""
 

@@ -13,6 +13,8 @@ from fibermelt.study.flow_stages import (
 from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
+from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage
+from fibermelt.study.void_summary import summarize_voids, voids_in_words
 
 __all__ = ["CHAIN"]
 
@@ -43,9 +45,11 @@ CHAIN = Chain(
         ),
         Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
         Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
+        Stage("voids", 1, VOID_PARAMETERS, ("streamlines", "cell", "motion"), voids_stage),
     ),
     parts=(
         Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
+        Part("voids", ("voids",), summarize_voids, voids_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
     version=1,

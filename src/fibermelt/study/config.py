@@ -7,9 +7,20 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from fibermelt.errors import ConfigError
 from fibermelt.study.parameters import Section, quantity, setting
 
-__all__ = ["Config", "Fiber", "Flow", "Melt", "Numerics", "Sensitivity", "Streamlines", "What"]
+__all__ = [
+    "Config",
+    "Fiber",
+    "Flow",
+    "Melt",
+    "Numerics",
+    "Sensitivity",
+    "Streamlines",
+    "Voids",
+    "What",
+]
 
 _INFERRED = "inferred: the paper prints no dimensions; these reproduce its stated results"
 _PAPER_2 = "the paper, section 2 (after Heller et al. and Wang et al.)"
@@ -27,6 +38,9 @@ SHORTEST, LONGEST = 0.01, 100.0
 FULL_TURN = 2 * math.pi
 """Largest angle [rad] at which a fiber can be said to enter; beyond, it was meant in degrees."""
 
+_MOIST = {"material", "moisture", "temperature", "threshold_rate"}
+"""What of the voids' table the melt is made of."""
+
 _VERIFIED = "the fiber's cell is verified in this range only"
 
 
@@ -39,11 +53,11 @@ def _edge(default: float, doc: str) -> float:
 class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
-    parts: tuple[Literal["bead", "orbits", "dimensions", "claims"], ...] = setting(
+    parts: tuple[Literal["bead", "orbits", "dimensions", "voids", "claims"], ...] = setting(
         ["bead"],
         'What is computed. "bead": fibers along the streamlines of the deposition flow; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
-        '"claims": whether the paper\'s claims hold in what the other parts found.',
+        '"voids": where in the bead voids can start; "claims": whether the paper\'s claims hold in what the other parts found.',
     )
 
     @model_validator(mode="after")
@@ -294,6 +308,47 @@ class Sensitivity(Section):
     )
 
 
+class Voids(Section):
+    """The moisture in the melt, and what counts as nucleation."""
+
+    material: Literal["abs-cf13", "pei", "pla"] = setting(
+        "abs-cf13",
+        "Material card that says how the melt holds moisture; fibermelt voids takes others too.",
+        source=_PAPER_2,
+    )
+    moisture: float | Literal["from-card"] = quantity(
+        "0.17 %",
+        "",
+        "Moisture over the mass of polymer (from card: as received).",
+        words=("from-card",),
+        ge=0,
+        le=1,
+        source="lowest of the ABS filaments, 0.17 to 0.75 wt%, of Materials 2024, 17, 1988",
+    )
+    temperature: float | Literal["from-card"] = quantity(
+        "230 degC",
+        "K",
+        "Temperature of the melt, the same everywhere (from card: that of printing).",
+        words=("from-card",),
+        ge=273.16,
+        le=647.096,
+        source=_PAPER_2,
+        hints={"ge": "water's triple point", "le": "water's critical point"},
+    )
+    threshold_rate: float = quantity(
+        "1 1/(m^3 s)",
+        "1/(m^3 s)",
+        "Rate of nucleation that counts as its onset.",
+        gt=0,
+        ge=1e-30,
+        le=1e30,
+        source="the paper, Appendix I: J >= 1",
+    )
+    layers: int = setting(
+        10, "Number of layers of the profile from the bed to the free surface.", ge=2, le=1000
+    )
+
+
 class Numerics(Section):
     """Orders, edge lengths and tolerances: what changes the cost and the error, not the problem."""
 
@@ -356,7 +411,20 @@ class Config(Section):
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
     sensitivity: Sensitivity = Field(default_factory=Sensitivity)
+    voids: Voids = Field(default_factory=Voids)
     numerics: Numerics = Field(default_factory=Numerics)
+
+    @model_validator(mode="after")
+    def _moisture(self) -> Self:
+        """Refuse what the material's card does not allow, before the flow is computed."""
+        if "voids" in self.study.parts:
+            from fibermelt.study.void_melt import moist_melt  # noqa: PLC0415  lazy: NumPy
+
+            try:
+                moist_melt(**self.voids.model_dump(include=_MOIST))
+            except ConfigError as error:
+                raise ValueError(str(error)) from error
+        return self
 
     @model_validator(mode="after")
     def _scales(self) -> Self:

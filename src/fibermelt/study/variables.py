@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
+from fibermelt.study.void_variables import VOID_VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,6 +122,7 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "rad",
         "angle of the fiber to the streamline at the zone",
     ),
+    **VOID_VARIABLES,
 }
 """``{name: (dimensions, unit, long name)}``; a pure number has the unit 1."""
 
