@@ -1,6 +1,12 @@
-"""The fiber stage against the paper's own algorithm, and the cell's cost."""
+"""Every closed form of the fiber against the paper's own algorithm, and the cell's cost.
+
+A fiber-step is a fiber's director, the lowest and the highest pressure on its surface, and where
+they are, at one point of one streamline. Run on one core: ``OMP_NUM_THREADS=1``.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -8,37 +14,56 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
 from conftest import seconds
-from fibermelt.fiber import CellNumerics, build_system, follow_newton
+from fibermelt.fiber import (
+    CellNumerics,
+    Ellipsoid,
+    FiberModel,
+    Spheroid,
+    body_axes,
+    build_system,
+    confined_model,
+    embed_planar,
+    equal_area_directions,
+    follow_directors,
+    follow_newton,
+    unbounded_ellipsoid,
+    unbounded_model,
+    unbounded_spheroid,
+)
+from fibermelt.fiber.spatial import follow_spatial, half_sphere, spatial_pressure
 from fibermelt.flow.streamlines import Streamline
 
 FIBER = fm.Ellipse(half_length=42e-6, aspect_ratio=6.0)
+MU = 817.0
+DOMAIN_SIZE = 4.0
+TRIAXIAL = (6.0, 2.0, 1.0)
+"""Semi-axes of an ellipsoid, three different ones."""
+
 NEWTON_STEPS = 300
-"""Steps of the paper's algorithm that are timed; the rest is scaled."""
+"""Steps of the paper's algorithm that are timed; its cost is the same at every step."""
+
+FORMS = (
+    "confined-ellipse",
+    "ellipse",
+    "spheroid in the plane",
+    "spheroid in planar flow",
+    "spheroid in any flow",
+    "ellipsoid",
+)
 
 
-def test_fiber_stage_against_the_papers_algorithm(
-    benchmark: BenchmarkFixture, lines: tuple[Streamline, ...]
-) -> None:
-    """22 x 13 trajectories with extremes at every step; Newton-Raphson at every RK4 stage.
+@pytest.fixture(scope="module")
+def path(lines: tuple[Streamline, ...]) -> fm.PathBundle:
+    return fm.PathBundle([line.history for line in lines])
 
-    The paper's algorithm runs on the paper's own mesh, its matrix factorised once by the fastest
-    solver at hand.
+
+@pytest.fixture(scope="module")
+def newton_rate(lines: tuple[Streamline, ...]) -> float:
+    """Return the fiber-steps per second of the paper's algorithm.
+
+    On the paper's own mesh, its matrix factorised once by the fastest solver at hand.
     """
-    path = fm.PathBundle([line.history for line in lines])
-    middle = np.array([line.middle_time for line in lines])
-    cell = fm.solve_cell(FIBER, domain_size=4.0)
-    angles = fm.paper_angles()
-
-    def stage() -> object:
-        motion = fm.follow(path, cell.shape_factor, angles)
-        pressure = fm.surface_pressure(path, cell.response, 817.0, motion)
-        return fm.extremes(path, pressure, motion, middle), pressure.where_lowest
-
-    benchmark(stage)
-    steps = len(lines) * len(angles) * (len(lines[0].history) - 1)
-
-    history = lines[9].history
-    part = slice(0, NEWTON_STEPS + 1)
+    history, part = lines[9].history, slice(0, NEWTON_STEPS + 1)
     short = fm.FlowHistory(
         history.time[part],
         history.position[part],
@@ -46,11 +71,90 @@ def test_fiber_stage_against_the_papers_algorithm(
         history.gradient[part],
         history.pressure[part],
     )
-    system = build_system(FIBER, 4.0, CellNumerics(mesh="paper"))
-    took = seconds(lambda: follow_newton(system, FIBER, short, 817.0, 0.3))
-    scaled = took / NEWTON_STEPS * steps
+    system = build_system(FIBER, DOMAIN_SIZE, CellNumerics(mesh="paper"))
+    return NEWTON_STEPS / seconds(lambda: follow_newton(system, FIBER, short, MU, 0.3))
+
+
+def in_the_plane(model: FiberModel, path: fm.PathBundle) -> object:
+    """Follow the paper's 13 fibers, and find both extremes and their places at every point."""
+    motion = fm.follow(path, model.response.shape_factor, fm.paper_angles())
+    pressure = fm.surface_pressure(path, model.response, MU, motion)
+    return pressure.lowest, pressure.highest, pressure.where_lowest, pressure.where_highest
+
+
+def work(form: str, path: fm.PathBundle) -> tuple[Callable[[], object], int]:
+    """Return what is timed and the fibers on each streamline; what is solved once is not timed."""
+    count = fm.paper_angles().size
+    if form == "confined-ellipse":
+        model = confined_model(fm.solve_cell(FIBER, DOMAIN_SIZE).response)
+        return lambda: in_the_plane(model, path), count
+    if form in ("ellipse", "spheroid in the plane"):
+        plane = unbounded_model("ellipse" if form == "ellipse" else "spheroid", FIBER)
+        return lambda: in_the_plane(plane, path), count
+    response = unbounded_spheroid(Spheroid(FIBER.half_length, FIBER.aspect_ratio))
+    factor, start = response.shape_factor, half_sphere(count)
+    if form == "spheroid in planar flow":
+        return lambda: [
+            spatial_pressure(one, response, MU, follow_spatial(one, factor, start))
+            for one in path.histories
+        ], count
+    gradient = embed_planar(path.gradient)[..., None, :, :, :]
+    if form == "spheroid in any flow":
+
+        def directors() -> object:
+            motion = follow_directors(path, factor, start)
+            return response.extremes(gradient, motion.direction)
+
+        return directors, count
+    # no path has a closed form here: a step is the rotation's rate and the extremes, in body axes
+    ellipsoid = unbounded_ellipsoid(Ellipsoid(TRIAXIAL))
+    frames = np.stack([body_axes(p) for p in equal_area_directions(count)])[:, None]
+    back = np.swapaxes(frames, -1, -2)
+
+    def triaxial() -> object:
+        local = back @ gradient @ frames
+        return ellipsoid.angular_velocity(local), ellipsoid.extremes(local)
+
+    return triaxial, count
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_fiber_steps(
+    benchmark: BenchmarkFixture, path: fm.PathBundle, newton_rate: float, form: str
+) -> None:
+    """Fiber-steps per second of a closed form, the paper's algorithm beside it in the same run."""
+    action, count = work(form, path)
+    benchmark(action)
+    steps = path.time.size * count
+    rate = steps / benchmark.stats["median"]
+    benchmark.extra_info |= {"steps": steps, "steps_per_second": rate}
+    benchmark.extra_info |= {"newton_steps_per_second": newton_rate, "ratio": rate / newton_rate}
+    print(
+        f"\n{form}: {rate / 1e6:.2f} million fiber-steps/s, the paper's algorithm "
+        f"{newton_rate:,.0f}/s: {rate / newton_rate:,.0f} times"
+    )
+
+
+def test_fiber_stage_against_the_papers_algorithm(
+    benchmark: BenchmarkFixture,
+    lines: tuple[Streamline, ...],
+    path: fm.PathBundle,
+    newton_rate: float,
+) -> None:
+    """The chain's own: 22 x 13 trajectories, extremes at both locations, and where they are."""
+    middle = np.array([line.middle_time for line in lines])
+    cell = fm.solve_cell(FIBER, domain_size=DOMAIN_SIZE)
+    angles = fm.paper_angles()
+
+    def stage() -> object:
+        motion = fm.follow(path, cell.shape_factor, angles)
+        pressure = fm.surface_pressure(path, cell.response, MU, motion)
+        return fm.extremes(path, pressure, motion, middle), pressure.where_lowest
+
+    benchmark(stage)
+    steps = path.time.size * angles.size
+    scaled = steps / newton_rate
     ratio = scaled / benchmark.stats["median"]
-    benchmark.extra_info |= {"unknowns": system.matrix.shape[0]}
     benchmark.extra_info |= {"steps": steps, "newton_scaled_s": scaled, "times_faster": ratio}
     print(f"\nfiber stage: {steps} steps, {ratio:,.0f} times faster than the paper's algorithm")
 
@@ -59,4 +163,4 @@ def test_fiber_stage_against_the_papers_algorithm(
 def test_cell(benchmark: BenchmarkFixture, estimate: bool) -> None:
     """The cell's two solutions, without and with the error estimate."""
     numerics = CellNumerics(estimate=estimate)
-    benchmark(lambda: fm.solve_cell(FIBER, 4.0, numerics))
+    benchmark(lambda: fm.solve_cell(FIBER, DOMAIN_SIZE, numerics))

@@ -148,5 +148,32 @@ def test_a_mistake_is_one_line(options, line):
     assert done.stderr == f"error: {line}\n"
 
 
+@pytest.mark.parametrize("model", ["confined-ellipse", "ellipse", "spheroid"])
+@pytest.mark.parametrize(
+    ("ratio", "line"),
+    [
+        ("0", "fiber.aspect_ratio = 0: must be at least 1"),
+        ("-2", "fiber.aspect_ratio = -2: must be at least 1"),
+        ("nan", '--aspect-ratio = "nan": is not finite'),
+        ("inf", '--aspect-ratio = "inf": is not finite'),
+        ("1e9", "fiber.aspect_ratio = 1e+09: must be at most 1"),  # it asked for a terabyte
+    ],
+)
+def test_an_aspect_ratio_that_is_none(model, ratio, line):
+    done = invoke({"--model": model, "--aspect-ratio": ratio}, "--json")
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith(f"error: {line}")
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("option", ["--shear-rate", "--viscosity", "--domain-size", "--angle"])
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_a_number_that_is_not_finite(option, value):
+    done = invoke({option: value}, "--json")
+    assert done.exit_code == 2
+    assert done.stderr == f'error: {option} = "{value}": is not finite\n'
+
+
 def test_an_unbounded_fiber_has_no_cell_to_be_too_small():
     assert orbit(model="ellipse", domain_size="1")["max_pressure"] == pytest.approx(817 * 7)

@@ -1,6 +1,7 @@
 """The chain's stages: what they read, and that a study and the solvers mean the same defaults."""
 
 from dataclasses import fields
+from typing import get_args
 
 import pytest
 
@@ -8,6 +9,7 @@ from fibermelt.errors import StoreError
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.config import PartName
 from fibermelt.study.fiber_stages import PRESSURE_REFERENCE
 from fibermelt.study.flow_stages import FLOW_NUMERICS
 from fibermelt.study.loading import resolve
@@ -35,10 +37,12 @@ def test_stages_come_after_their_inputs():
 @pytest.mark.parametrize(
     ("key", "changed"),
     [
-        ("flow.gap", {"flow", "streamlines", "motion"}),
-        ("streamlines.count", {"streamlines", "motion"}),
-        ("fiber.aspect_ratio", {"cell", "motion"}),
-        ("fiber.initial_angles", {"motion"}),
+        ("flow.gap", {"flow", "streamlines", "motion", "orientation", "dimensions"}),
+        ("streamlines.count", {"streamlines", "motion", "orientation", "dimensions"}),
+        ("fiber.aspect_ratio", {stage.name for stage in CHAIN.stages} - {"flow", "streamlines"}),
+        ("interaction.volume_fraction", {"content", "orientation"}),
+        ("sensitivity.shear_rate", {"orbits"}),
+        ("fiber.initial_angles", {"motion", "dimensions"}),
         ("numerics.isotropic_angles", {"motion"}),
     ],
 )
@@ -48,6 +52,21 @@ def test_a_change_reaches_what_depends_on_it(key, changed):
     other = value[1:] if isinstance(value, tuple) else type(value)(value * 2)
     after = keys(CHAIN.stages, {**DEFAULTS, key: other})
     assert {name for name in before if before[name] != after[name]} == changed
+
+
+def test_the_cell_is_fed_by_the_content_where_it_decides_its_size():
+    asked = {**DEFAULTS, "fiber.domain_size": "from-content"}
+    given, found = (
+        [stage.name for stage in CHAIN.needed(["bead"], values)] for values in (DEFAULTS, asked)
+    )
+    assert given == ["flow", "streamlines", "cell", "motion"]
+    assert found == ["flow", "streamlines", "stall", "content", "cell", "motion"]
+
+
+def test_every_part_has_its_name_and_its_stages():
+    names = [part.name for part in CHAIN.parts]
+    assert sorted(names) == sorted(get_args(PartName))
+    assert {name for part in CHAIN.parts for name in part.stages} <= {s.name for s in CHAIN.stages}
 
 
 def test_a_study_and_the_flow_have_the_same_defaults():

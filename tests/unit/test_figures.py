@@ -16,7 +16,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from fibermelt.report.figures import FIGURES, Plate, draw_figures
+from fibermelt.report.figures import FIGURES, draw_figures
+from fibermelt.report.plates import Plate
 from fibermelt.report.style import FULL, PNG_DOTS, STYLE, save
 
 SMALLEST_TYPE = 6.0

@@ -12,20 +12,9 @@ from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.streamlines import Streamline
 from fibermelt.rheology import Newtonian
+from fibermelt.verify.flow import line_flux
 
 COARSE = FlowNumerics().coarsened(4.0)
-
-
-def line_flux(flow: FlowSolution, first: tuple[float, float], last: tuple[float, float]) -> float:
-    """Return the flux [m2/s] through the straight line, by Gauss's rule on 60 equal parts."""
-    nodes, weights = np.polynomial.legendre.leggauss(4)
-    part = ((np.arange(60)[:, None] + 0.5 + 0.5 * nodes) / 60).ravel()
-    weight = np.tile(weights / 120, 60)
-    ends = np.array([first, last])
-    tangent = ends[1] - ends[0]
-    xy = ends[0] + part[:, None] * tangent
-    u = flow.field.evaluate(flow.field.velocity, flow.field.locate(xy))
-    return float(np.sum(weight * (u[:, 0] * tangent[1] - u[:, 1] * tangent[0])))
 
 
 def test_flux_is_the_same_at_every_station(paper_flow: FlowSolution) -> None:

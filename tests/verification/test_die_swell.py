@@ -8,13 +8,11 @@ import pytest
 
 from fibermelt.flow.dieswell import solve_die_swell, swell_problem
 from fibermelt.flow.freesurface import FreeSurfaceFlow
-
-LITERATURE = 1.1867
-"""Swell ratio without surface tension; independent codes agree to 1e-4."""
+from fibermelt.verify.free_surface import SWELL
 
 
 def test_swell_at_the_stated_lip_edge() -> None:
-    assert solve_die_swell(0.002).swell == pytest.approx(LITERATURE, abs=1e-3)
+    assert solve_die_swell(0.002).swell == pytest.approx(SWELL, abs=1e-3)
 
 
 @pytest.mark.parametrize("order", [2, 3])
@@ -27,7 +25,7 @@ def test_swell_converges_at_first_order_of_the_lip_edge(order: int) -> None:
     observed = np.log2(steps[:-1] / steps[1:])
     assert np.all(np.abs(observed - 1.0) < 0.35), observed
     extrapolated = 2 * swell[-1] - swell[-2]
-    assert extrapolated == pytest.approx(LITERATURE, abs=1e-4)
+    assert extrapolated == pytest.approx(SWELL, abs=1e-4)
 
 
 def test_swell_does_not_depend_on_the_mesh_away_from_the_lip() -> None:
@@ -36,7 +34,7 @@ def test_swell_does_not_depend_on_the_mesh_away_from_the_lip() -> None:
         swell = solve_die_swell(0.002, bulk_edge=bulk_edge).swell
         assert swell == pytest.approx(reference, abs=5e-5)
     # slower growth also refines around the lip: it may move the swell by the lip's own error
-    assert abs(solve_die_swell(0.002, growth=0.15).swell - reference) < reference - LITERATURE
+    assert abs(solve_die_swell(0.002, growth=0.15).swell - reference) < reference - SWELL
 
 
 def test_newton_is_quadratic() -> None:

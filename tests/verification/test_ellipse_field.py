@@ -15,14 +15,14 @@ from fibermelt.fiber import (
     ellipse_spin,
     ellipse_torque,
 )
+from fibermelt.verify.averages import circle_rule
 
 RATIOS = [1.0, 1.5, 6.0, 30.0]
 EXACT = 1e-12  # asked for: rounding, amplified by the aspect ratio
 ANGLE = 0.7
 GRADIENT = np.array([[0.3, 1.4], [-0.5, -0.3]])
 STRAIN = 0.5 * (GRADIENT + GRADIENT.T)
-CIRCLE = 2.0 * np.pi * np.arange(128) / 128  # harmonics fall below rounding before 128
-NORMAL = np.stack([np.cos(CIRCLE), np.sin(CIRCLE)], axis=-1)
+NORMAL, _ = circle_rule(128)  # harmonics fall below rounding before 128
 SPINS = [None, 0.0, 2.5]
 
 

@@ -14,6 +14,7 @@ from fibermelt.fiber import (
     ellipsoid_field,
     unbounded_ellipsoid,
 )
+from fibermelt.verify.averages import sphere_rule
 
 SIZE = 42e-6
 SHAPES = {
@@ -32,17 +33,7 @@ AXES = ROTATION * np.linalg.det(ROTATION)
 shapes = pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES.keys())
 
 
-def spherical_rule(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Directions and weights that average polynomials of degree ``2 count - 1`` exactly."""
-    z, weight = np.polynomial.legendre.leggauss(count)
-    azimuth = np.pi * np.arange(2 * count) / count
-    height, turn = (part.ravel() for part in np.meshgrid(z, azimuth, indexing="ij"))
-    across = np.sqrt(1.0 - height**2)
-    normals = np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=-1)
-    return normals, np.repeat(weight, 2 * count) / (4.0 * count)
-
-
-NORMALS, WEIGHTS = spherical_rule(20)
+NORMALS, WEIGHTS = sphere_rule(20)
 
 
 def body(shape: tuple[float, float, float]) -> Ellipsoid:

@@ -1,8 +1,6 @@
 """The confined cell against a series solution, against itself and against what is known.
 
-The series is a second path that shares nothing with the finite elements: Goursat's functions in
-powers of ``z`` (growing) and of ``1/q`` (decaying, ``q`` the ellipse's conformal coordinate), no
-torque and no source by leaving out ``1/q`` from the second, matched to both walls by least squares.
+The series (`fibermelt.verify.series`) is a second path that shares nothing with the elements.
 """
 
 import numpy as np
@@ -10,78 +8,10 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import CellNumerics, CellSolution, Ellipse, solve_cell
+from fibermelt.verify.series import SeriesCell
 
 SHAPE_FACTOR = 1e-6  # absolute, asked of the default settings
 TIP_PRESSURE = 1e-4  # relative, asked of the default settings
-
-
-class SeriesCell:
-    """Shape factor and surface pressures by least squares on a Laurent basis."""
-
-    def __init__(self, ratio: float, domain: float, terms: int = 80, points: int = 400) -> None:
-        self.c, self.m = 0.5 * (1.0 + 1.0 / ratio), (ratio - 1.0) / (ratio + 1.0)
-        self.radius, self.terms = 0.5 * domain, terms
-        angle = 2.0 * np.pi * (np.arange(points) + 0.5) / points
-        ellipse = np.exp(1j * angle)
-        ring = self.radius * np.exp(1j * angle)
-        root = ring * np.sqrt(1.0 - 4.0 * self.c**2 * self.m / ring**2)
-        q = np.concatenate([ellipse, (ring + root) / (2.0 * self.c)])
-        z = np.concatenate([self._map(ellipse), ring])
-        on_fiber = np.concatenate([np.ones(points, bool), np.zeros(points, bool)])
-        self.coefficients = []
-        for phase, field in ((1.0, np.conj(z)), (1.0j, 1j * np.conj(z))):
-            columns = [
-                phase * f - np.conj(phase) * z * np.conj(df) for f, df, _ in self._basis(z, q)
-            ]
-            columns += [-np.conj(phase * g) for *_, g in self._basis(z, q)]
-            columns.append(np.where(on_fiber, -1j * z, 0.0))  # minus the fiber's own spin
-            matrix = np.array(columns).T
-            skip = 2 * self.terms + self.terms  # 1/q in the second function: source or torque
-            keep = [k for k in range(matrix.shape[1]) if k != skip]
-            target = np.where(on_fiber, 0.0, field)
-            system = np.concatenate([matrix.real, matrix.imag])[:, keep]
-            size = np.linalg.norm(system, axis=0)
-            size[size == 0.0] = 1.0
-            right = np.concatenate([target.real, target.imag])
-            answer, *_ = np.linalg.lstsq(system / size, right, rcond=1e-14)
-            self.misfit = np.max(np.abs(system / size @ answer - right))
-            full = np.zeros(matrix.shape[1])
-            full[keep] = answer / size
-            self.coefficients.append(full)
-        self.shape_factor = self.coefficients[1][-1]
-
-    def _map(self, q: np.ndarray) -> np.ndarray:
-        return self.c * (q + self.m / q)
-
-    def _basis(self, z: np.ndarray, q: np.ndarray):
-        """Yield each function with its derivative, once for f and once more as g."""
-        slope = 1.0 / (self.c * (1.0 - self.m / q**2))
-        for k in range(self.terms):
-            n = 2 * k + 1
-            power = (z / self.radius) ** n
-            yield power, n * power / z, power
-        for k in range(self.terms):
-            n = 2 * k + 1
-            yield q**-n, -n * q ** (-n - 1) * slope, q**-n
-
-    def basis(self, surface: np.ndarray) -> np.ndarray:
-        """Return P_1, P_2 with mean zero over the cell's edge."""
-        q = np.exp(1j * surface)
-        around = 2.0 * np.pi * np.arange(800) / 800
-        ring = self.radius * np.exp(1j * around)
-        root = ring * np.sqrt(1.0 - 4.0 * self.c**2 * self.m / ring**2)
-        outer = (ring + root) / (2.0 * self.c)
-        pressures = []
-        for phase, full in zip((1.0, 1.0j), self.coefficients, strict=True):
-            values = [
-                sum(
-                    -4.0 * np.real(phase * weight * derivative)
-                    for weight, (_, derivative, _) in zip(full, self._basis(z, at), strict=False)
-                )
-                for z, at in ((self._map(q), q), (ring, outer))
-            ]
-            pressures.append(values[0] - np.mean(values[1]))
-        return np.stack(pressures, axis=-1)
 
 
 @pytest.fixture(scope="module")

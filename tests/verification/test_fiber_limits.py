@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from fibermelt.fiber import (
     CellNumerics,
@@ -12,7 +11,7 @@ from fibermelt.fiber import (
     solve_cell,
     unbounded_ellipse,
 )
-from fibermelt.history import FlowHistory
+from fibermelt.verify.fiber_motion import reference_angles, swinging
 
 FIBER = Ellipse(42e-6, 6.0)
 
@@ -39,46 +38,23 @@ def test_the_cell_becomes_the_unbounded_ellipse() -> None:
     assert pressure[-1] < 2e-3
 
 
-def smooth(points: int) -> FlowHistory:
-    t = np.linspace(0.0, 20.0, points)
-    L = np.empty((points, 2, 2))
-    L[:, 0, 0] = 0.3 * np.cos(2.0 * t)
-    L[:, 1, 1] = -L[:, 0, 0]
-    L[:, 0, 1] = 1.0 + 0.5 * np.sin(t)
-    L[:, 1, 0] = 0.2 * np.cos(t)
-    zero = np.zeros((points, 2))
-    return FlowHistory(t, zero, zero, L, np.zeros(points))
-
-
-def reference(factor: float) -> np.ndarray:
-    """The same flow through a Runge-Kutta method of order eight, from the formula itself."""
-
-    def rate(t: float, theta: np.ndarray) -> np.ndarray:
-        shear, up, normal = 1.0 + 0.5 * np.sin(t), 0.2 * np.cos(t), 0.3 * np.cos(2.0 * t)
-        local = 0.5 * (shear + up) * np.cos(2.0 * theta) - normal * np.sin(2.0 * theta)
-        return 0.5 * (up - shear) + factor * local
-
-    run = solve_ivp(rate, (0.0, 20.0), paper_angles(), method="DOP853", rtol=1e-12, atol=1e-13)
-    return run.y[:, -1]
-
-
 @pytest.mark.parametrize("factor", [0.9459, 1.0344])
 def test_fourth_order_in_the_spacing_of_the_history(factor: float) -> None:
-    exact = reference(factor)
+    exact = reference_angles(factor)
     errors = []
     for points in (129, 257, 513):
-        motion = follow(smooth(points), factor, paper_angles())
+        motion = follow(swinging(points), factor, paper_angles())
         errors.append(np.max(np.abs(motion.angle[:, -1] - exact)))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders == pytest.approx(4.0, abs=0.2)
     # at 2049 points the interpolant is good to 1e-9, and the time integration must not be worse
-    fine = follow(smooth(2049), factor, paper_angles())
+    fine = follow(swinging(2049), factor, paper_angles())
     assert fine.angle[:, -1] == pytest.approx(exact, abs=1e-8)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_the_tolerance_is_kept(tolerance: float) -> None:
-    history = smooth(257)
+    history = swinging(257)
     exact = follow(history, 0.9459, paper_angles(), 1e-12)
     motion = follow(history, 0.9459, paper_angles(), tolerance)
     error = np.max(np.abs(motion.angle - exact.angle))

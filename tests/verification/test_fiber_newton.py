@@ -42,6 +42,12 @@ def nozzle_like(points: int) -> FlowHistory:
     return FlowHistory(t, position, velocity, L, 1e5 * (1.0 - t))
 
 
+def every_nth(history: FlowHistory, every: int) -> FlowHistory:
+    """Return a history with fewer points."""
+    columns = (history.time, history.position, history.velocity, history.gradient, history.pressure)
+    return FlowHistory(*(column[::every] for column in columns))
+
+
 @pytest.fixture(scope="module", params=["cell-edge", "far-node"])
 def system(request: pytest.FixtureRequest) -> CellSystem:
     return build_system(FIBER, 4.0, CellNumerics(order=4, pressure_reference=request.param))
@@ -125,6 +131,37 @@ def test_runge_kutta_is_of_fourth_order(small_system: CellSystem) -> None:
         errors.append(np.max(np.abs(run.angle - exact.angle)))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders == pytest.approx(4.0, abs=0.3)
+
+
+@pytest.mark.parametrize("index", [4, 10])
+def test_orders_along_a_streamline_of_the_papers_flow(
+    small_system: CellSystem, paper_lines: tuple[Streamline, ...], index: int
+) -> None:
+    """Both paths on every 16th, 8th and 4th point of a streamline through the nozzle.
+
+    On the same points the paths differ by Runge and Kutta's error, of fourth order. Both approach
+    the fiber on all points with the history: its gradient has kinks where the flow's elements
+    meet, so that dropping points costs an error of second order or somewhat better, the same in
+    either path and a hundred times the difference between them.
+    """
+    history = paper_lines[index - 1].history
+    factor = small_system.response.shape_factor
+    start = np.array([0.3])
+    fine = follow(history, factor, start, 1e-12).angle
+    between, ours, papers = [], [], []
+    for every in (16, 8, 4):
+        thin = every_nth(history, every)
+        exact = follow(thin, factor, start, 1e-12).angle
+        run = follow_newton(small_system, FIBER, thin, MU, start).angle
+        reference = fine[:, ::every]
+        between.append(np.max(np.abs(run - exact)))
+        ours.append(np.max(np.abs(exact - reference)))
+        papers.append(np.max(np.abs(run - reference)))
+    assert np.log2(between[0] / between[-1]) / 2 == pytest.approx(4.0, abs=0.4)
+    for errors in (ours, papers):
+        # kinks fall between other points each time: the order is that of both halvings together
+        assert np.log2(errors[0] / errors[-1]) / 2 > 2.0
+    assert papers == pytest.approx(ours, rel=0.05)
 
 
 def test_extremes_over_the_nodes(system: CellSystem) -> None:

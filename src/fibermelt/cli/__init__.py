@@ -1,14 +1,15 @@
 """The command line: thin, and a person's mistake never ends in a traceback.
 
-Exit codes: 0 done; 2 what the user can cause or cure, with one line for each fault on standard
-error; 130 interrupted.
+Exit codes: 0 done; 1 a check of `fibermelt verify` fails; 2 what the user can cause or cure, with
+one line for each fault on standard error; 130 interrupted.
 """
 
 from __future__ import annotations
 
 import typer
 
-from fibermelt.cli.fibers import orbit
+from fibermelt.cli.checks import verify
+from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.versions import options, version
 from fibermelt.cli.voids import voids
@@ -22,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, validate, defaults, orbit, voids, version):
+for command in (run, validate, defaults, orbit, orientation, domain_size, verify, voids, version):
     app.command()(command)
 
 

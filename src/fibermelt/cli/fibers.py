@@ -1,4 +1,4 @@
-"""Commands for a single fiber: `fibermelt orbit`."""
+"""Commands for one fiber, or many: `fibermelt orbit`, `orientation` and `domain-size`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from fibermelt.cli.common import JsonOption, say, told
 
-__all__ = ["orbit"]
+__all__ = ["domain_size", "orbit", "orientation"]
 
 
 def orbit(
@@ -60,3 +60,98 @@ def orbit(
             )
         )
         say(json.dumps(answer, indent=1) if as_json else orbit_in_words(answer))
+
+
+RatioOption = Annotated[
+    str, typer.Option("--aspect-ratio", metavar="R", help="Length over width of the fibers.")
+]
+ClosureOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="linear, quadratic, hybrid, ORS, ORF, ORL, ORW, ORW3, ORE, IBOF, exact.",
+    ),
+]
+ConventionOption = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="Rate that multiplies C_I: standard, or paper (sqrt(2) it)."),
+]
+
+
+def orientation(
+    closure: ClosureOption,
+    interaction: Annotated[
+        str, typer.Option(metavar="C_I", help="Interaction coefficient, above 0.")
+    ],
+    aspect_ratio: RatioOption,
+    model: Annotated[
+        str, typer.Option(metavar="NAME", help="folgar-tucker, rsc, iard, pard, mrd or nematic.")
+    ] = "folgar-tucker",
+    flow: Annotated[
+        str, typer.Option(metavar="NAME", help="simple-shear, uniaxial, biaxial or planar.")
+    ] = "simple-shear",
+    convention: ConventionOption = "standard",
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="What the model takes besides, such as kappa=0.1."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find how the fibers of a suspension lie in a steady flow; --closure exact-pdf needs none."""
+    with told():
+        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.orientation import (  # noqa: PLC0415
+            OrientationStudy,
+            orientation_in_words,
+            read_parameters,
+            run_orientation,
+        )
+
+        answer = run_orientation(
+            OrientationStudy(
+                closure=closure,
+                interaction=read_quantity("--interaction", interaction, ""),
+                aspect_ratio=read_quantity("--aspect-ratio", aspect_ratio, ""),
+                model=model,
+                flow=flow,
+                convention=convention,
+                parameters=read_parameters(parameter or []),
+            )
+        )
+        say(json.dumps(answer, indent=1) if as_json else orientation_in_words(answer))
+
+
+def domain_size(
+    aspect_ratio: RatioOption,
+    volume_fraction: Annotated[
+        str, typer.Option(metavar="V", help="Fiber content by volume, between 0 and 1.")
+    ],
+    closure: ClosureOption = "ORE",
+    convention: ConventionOption = "standard",
+    interaction: Annotated[
+        str | None, typer.Option(metavar="C_I", help="Interaction coefficient, in the law's place.")
+    ] = None,
+    law: Annotated[str, typer.Option(metavar="NAME", help="bay or phan-thien.")] = "bay",
+    as_json: JsonOption = False,
+) -> None:
+    """Find the cell that stands for a fiber content: where its fiber stalls, fibers lie."""
+    with told():
+        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.orientation import (  # noqa: PLC0415
+            DomainStudy,
+            domain_in_words,
+            run_domain_size,
+        )
+
+        given = None if interaction is None else read_quantity("--interaction", interaction, "")
+        answer = run_domain_size(
+            DomainStudy(
+                aspect_ratio=read_quantity("--aspect-ratio", aspect_ratio, ""),
+                volume_fraction=read_quantity("--volume-fraction", volume_fraction, ""),
+                closure=closure,
+                convention=convention,
+                interaction=given,
+                law=law,
+            )
+        )
+        say(json.dumps(answer, indent=1) if as_json else domain_in_words(answer))

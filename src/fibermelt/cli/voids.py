@@ -48,4 +48,8 @@ def voids(
             ),
         )
         answer = answer_voids(Path(folder), question)
-        say(json.dumps(answer, indent=1) if as_json else "\n".join(voids_in_words({"voids": answer})))
+        say(
+            json.dumps(answer, indent=1)
+            if as_json
+            else "\n".join(voids_in_words({"voids": answer}))
+        )

@@ -8,7 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from fibermelt.errors import ConfigError, HistoryError
 from fibermelt.history import TRACE_TOLERANCE
 
-__all__ = ["checked_gradient", "checked_positive", "checked_unit"]
+__all__ = [
+    "checked_finite",
+    "checked_gradient",
+    "checked_positive",
+    "checked_unit",
+    "refuse_too_slender",
+]
 
 Array = NDArray[np.float64]
 
@@ -92,6 +98,30 @@ def checked_positive(name: str, value: float, unit: str, example: str) -> float:
         msg = f"{name} = {value:g} {unit}".rstrip() + f": must be positive, e.g. {example}"
         raise ConfigError(msg)
     return float(value)
+
+
+def checked_finite(name: str, value: ArrayLike) -> Array:
+    """Return numbers as an array, or refuse those that are not finite (`ConfigError`)."""
+    array = np.asarray(value, dtype=np.float64)
+    finite = np.isfinite(array)
+    if not np.all(finite):
+        where = _first(~finite)
+        msg = f"{name}{_place(where)} = {array[where]:g}: must be finite"
+        raise ConfigError(msg)
+    return array
+
+
+def refuse_too_slender(aspect_ratio: float, most: float) -> None:
+    """Refuse a fiber whose tips take more points than a machine has room for (`ConfigError`).
+
+    The points on the surface, and the elements around it, grow with the aspect ratio.
+    """
+    if aspect_ratio > most:
+        msg = (
+            f"fiber.aspect_ratio = {aspect_ratio:g}: must be at most {most:g}, or resolving the "
+            "tips takes too much memory; no fiber is that slender"
+        )
+        raise ConfigError(msg)
 
 
 def _first(marked: NDArray[np.bool_] | np.bool_) -> tuple[int, ...]:

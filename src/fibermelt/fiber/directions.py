@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_positive, checked_unit
+from fibermelt.fiber.checks import checked_finite, checked_positive, checked_unit
 
 __all__ = [
     "equal_area_directions",
@@ -34,8 +34,13 @@ def planar_directions(angles: ArrayLike) -> Array:
     """Return directions in the plane of the flow at angles from the x axis [rad], (..., 3).
 
     With `fibermelt.fiber.paper_angles` they are the paper's 13 (section 3).
+
+    Raises
+    ------
+    ConfigError
+        If an angle is not finite.
     """
-    theta = np.asarray(angles, dtype=np.float64)
+    theta = checked_finite("angles", angles)
     return np.stack([np.cos(theta), np.sin(theta), np.zeros_like(theta)], axis=-1)
 
 
@@ -78,6 +83,11 @@ def orbit_constant(direction: ArrayLike, aspect_ratio: float) -> Array:
         Unit vectors.
     aspect_ratio : float
         ``r_e`` [-].
+
+    Raises
+    ------
+    ConfigError
+        If a direction is not a unit vector, or the aspect ratio not positive.
     """
     p = checked_unit(direction)
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
@@ -90,8 +100,8 @@ def orbit_constant(direction: ArrayLike, aspect_ratio: float) -> Array:
 def orbit_phase(direction: ArrayLike, aspect_ratio: float) -> Array:
     """Return Jeffery's phase ``k`` [rad] in (-pi, pi], (...), zero along the flow.
 
-    It is told from the end of the fiber that points to ``z >= 0``. Parameters as in
-    `orbit_constant`.
+    It is told from the end of the fiber that points to ``z >= 0``. Parameters and
+    errors as in `orbit_constant`.
     """
     p = checked_unit(direction)
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
@@ -114,10 +124,16 @@ def jeffery_director(
         ``r_e`` [-], positive.
     direction : (3,) array_like
         Unit vector at time zero.
+
+    Raises
+    ------
+    ConfigError
+        If it is not a unit vector, the aspect ratio not positive, or a number not finite.
     """
     p = checked_unit(direction)
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
-    k = shear_rate * np.asarray(time, dtype=np.float64) / (r + 1.0 / r)
+    rate = float(checked_finite("shear_rate", shear_rate))
+    k = rate * checked_finite("time", time) / (r + 1.0 / r)
     x, y = p[..., 0] / r, p[..., 1]
     turned = np.stack(
         [

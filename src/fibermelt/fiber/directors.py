@@ -36,8 +36,8 @@ is no history."""
 ROUNDING = 1e-14
 """Two maps over a sub-step differ by some roundings in any case."""
 
-BLOCK = 1 << 17
-"""Sub-steps taken at a time: tens of megabytes."""
+BLOCK = 1 << 12
+"""Sub-steps taken at a time: their maps stay in the cache."""
 
 
 class GradientPath(Protocol):

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_gradient
+from fibermelt.fiber.checks import checked_finite, checked_gradient
 from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["EllipseField", "ellipse_field", "ellipse_spin", "ellipse_torque"]
@@ -83,8 +83,9 @@ def ellipse_torque(fiber: Ellipse, gradient: ArrayLike, angle: float, spin: floa
     """Return the torque on an ellipse that turns at ``spin``, over ``mu`` and depth [m2/s].
 
     ``-2 pi [(a^2 + b^2)(w - W) - (a^2 - b^2) D_12]``: positive turns it counter-clockwise.
-    Parameters as in `ellipse_spin`.
+    Parameters and errors as in `ellipse_field`.
     """
+    spin = float(checked_finite("spin", spin))
     strain, melt = _local(gradient, angle)
     a, b = fiber.half_length, fiber.semi_minor
     resist = (a * a + b * b) * (spin - melt)
@@ -121,10 +122,8 @@ def ellipse_field(
         If a point lies inside the fiber, or an angle, spin or point is not finite.
     """
     strain, melt = _local(gradient, angle)
-    turning = melt + fiber.jeffery_factor * strain.imag if spin is None else float(spin)
-    if not math.isfinite(turning):
-        msg = f"spin = {turning:g} 1/s: must be finite"
-        raise ConfigError(msg)
+    free = melt + fiber.jeffery_factor * strain.imag
+    turning = free if spin is None else float(checked_finite("spin", spin))
     a, b = fiber.half_length, fiber.semi_minor
     c, m = 0.5 * (a + b), (a - b) / (a + b)
     turn = complex(math.cos(angle), math.sin(angle))

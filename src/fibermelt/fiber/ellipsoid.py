@@ -38,9 +38,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.fiber.checks import checked_gradient, checked_positive
+from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
-from fibermelt.fiber.symmetric import extreme_eigenpairs
+from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
 
 __all__ = ["Ellipsoid", "EllipsoidResponse", "SurfaceExtremes", "unbounded_ellipsoid"]
 
@@ -48,6 +48,10 @@ Array = NDArray[np.float64]
 
 CYCLIC = ((1, 2), (2, 0), (0, 1))
 """The two other axes of each axis, in the order that turns right-handed."""
+
+
+PAIRS = ((1, 2), (0, 2), (0, 1))
+"""Rows and columns of the components of a symmetric matrix off its diagonal, in their order."""
 
 
 @dataclass(frozen=True)
@@ -145,11 +149,9 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradient of the far field in body axes [1/s].
         """
-        L = checked_gradient(gradient, 3)
-        stress: Array = self.stiffness * (0.5 * (L + np.swapaxes(L, -1, -2)))
-        diagonal = np.einsum("...ii->...i", stress)
-        diagonal -= (diagonal @ self.depolarisation)[..., None]
-        return stress
+        S = self._stress(checked_gradient(gradient, 3))
+        rows = [[S[0], S[5], S[4]], [S[5], S[1], S[3]], [S[4], S[3], S[2]]]
+        return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
     def surface_pressure(self, gradient: ArrayLike, where: ArrayLike) -> Array:
         """Return ``(p - p_inf)/mu`` [1/s] at points of the surface.
@@ -159,9 +161,15 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradient of the far field in body axes [1/s].
         where : (..., 3) array_like
-            Eccentric vectors ``x_i/a_i`` of the points [-]; broadcast with the gradients.
+            Eccentric vectors ``x_i/a_i`` of the points [-], of length one; broadcast with the
+            gradients.
+
+        Raises
+        ------
+        HistoryError, ConfigError
+            If a gradient is not finite or has a trace; if a point is not on the surface.
         """
-        normal = np.asarray(where, dtype=np.float64) * (np.min(self.semi_axes) / self.semi_axes)
+        normal = checked_unit(where, "where") * (np.min(self.semi_axes) / self.semi_axes)
         normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
         stress = self.surface_stress(gradient)
         return np.asarray(-np.einsum("...i,...ij,...j->...", normal, stress, normal))
@@ -174,20 +182,33 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradient of the far field in body axes [1/s].
         """
-        S = self.surface_stress(gradient)
-        low, high, at_low, at_high = extreme_eigenpairs(
-            (S[..., 0, 0], S[..., 1, 1], S[..., 2, 2], S[..., 1, 2], S[..., 0, 2], S[..., 0, 1])
-        )
-        where_lowest, where_highest = (
-            self._where(np.stack(normal, axis=-1)) for normal in (at_high, at_low)
-        )
-        return SurfaceExtremes(-high, -low, where_lowest, where_highest)
+        L = checked_gradient(gradient, 3)
+        shape = L.shape[:-2]
+        lowest, highest = np.empty(shape), np.empty(shape)
+        places = np.empty((*shape, 3)), np.empty((*shape, 3))
+        for block in blocks(shape):
+            low, high, at_low, at_high = extreme_eigenpairs(self._stress(L[block]))
+            # pressure is minus the stress: the largest eigenvalue is the lowest pressure
+            lowest[block], highest[block] = -high, -low
+            for place, normal in zip(places, (at_high, at_low), strict=True):
+                for k, part in enumerate(self._eccentric(normal)):
+                    place[(*block, ..., k)] = part
+        return SurfaceExtremes(lowest, highest, *places)
 
-    def _where(self, normal: Array) -> Array:
-        """Return the eccentric vector where the normal is ``n``: ``x_i = a_i^2 n_i/|a n|``."""
-        vector = normal * (self.semi_axes / np.max(self.semi_axes))
-        vector = vector / np.linalg.norm(vector, axis=-1, keepdims=True)
-        return np.asarray(np.where(vector[..., :1] < 0.0, -vector, vector))
+    def _stress(self, L: Array) -> Components:
+        """Return the components of ``Sigma/mu``."""
+        k, (n1, n2, n3) = self.stiffness, self.depolarisation
+        a, b, c = (k[i, i] * L[..., i, i] for i in range(3))
+        rest = n1 * a + n2 * b + n3 * c
+        d, e, f = (0.5 * k[i, j] * (L[..., i, j] + L[..., j, i]) for i, j in PAIRS)
+        return a - rest, b - rest, c - rest, d, e, f
+
+    def _eccentric(self, normal: Vector) -> Vector:
+        """Return the eccentric vector where the normal is ``n``: ``a_i n_i``, with ``e_1 >= 0``."""
+        axes = self.semi_axes / np.max(self.semi_axes)
+        x, y, z = (axis * part for axis, part in zip(axes, normal, strict=True))
+        inverse = np.where(x < 0.0, -1.0, 1.0) / np.sqrt(x * x + y * y + z * z)
+        return x * inverse, y * inverse, z * inverse
 
     @cached_property
     def tip_stiffness(self) -> float:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_gradient
+from fibermelt.fiber.checks import checked_gradient, checked_unit
 from fibermelt.fiber.ellipsoid import Ellipsoid, unbounded_ellipsoid
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
 
@@ -69,8 +69,16 @@ def body_axes(direction: ArrayLike) -> Array:
     ----------
     direction : (3,) array_like
         Unit vector [-].
+
+    Raises
+    ------
+    ConfigError
+        If it is not a unit vector, or more than one.
     """
-    p = np.asarray(direction, dtype=np.float64)
+    p = checked_unit(direction)
+    if p.shape != (3,):
+        msg = f"direction has shape {p.shape}, expected (3,): one at a time"
+        raise ConfigError(msg)
     across = np.eye(3)[int(np.argmin(np.abs(p)))]
     second = np.cross(p, across)
     second /= np.linalg.norm(second)

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import checked_finite, checked_positive, refuse_too_slender
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
 
@@ -43,6 +44,9 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+MOST_SLENDER = 1e4
+"""Aspect ratio beyond any fiber's: a million surface points carry its harmonics."""
 
 HARMONIC_TOLERANCE = 1e-16
 """Size of the first harmonic ``m^k`` that the surface points need not carry."""
@@ -61,10 +65,18 @@ def ellipse_pressure(
         Components of ``D`` in the fiber's axes [1/s].
     surface : array
         Eccentric angle ``s`` [rad] of the point ``(a cos s, b sin s)``; broadcast with the strain.
+
+    Raises
+    ------
+    ConfigError
+        If the aspect ratio is below one, or a number is not finite; so for `ellipse_extremes`.
     """
-    m = (aspect_ratio - 1.0) / (aspect_ratio + 1.0)
-    amplitude = -(np.asarray(strain_11) + 1j * np.asarray(strain_12) * _shear_part(aspect_ratio))
-    pressure: Array = 4.0 * np.real(amplitude / (np.exp(2j * np.asarray(surface)) - m))
+    r = Ellipse(1.0, aspect_ratio).aspect_ratio
+    m = (r - 1.0) / (r + 1.0)
+    first, second = checked_finite("strain_11", strain_11), checked_finite("strain_12", strain_12)
+    amplitude = -(first + 1j * second * _shear_part(r))
+    where = checked_finite("surface", surface)
+    pressure: Array = 4.0 * np.real(amplitude / (np.exp(2j * where) - m))
     return pressure
 
 
@@ -82,9 +94,10 @@ def ellipse_extremes(
     strain_11, strain_12 : array
         Components of ``D`` in the fiber's axes [1/s].
     """
-    r = aspect_ratio
-    middle = -(r - 1.0 / r) * np.asarray(strain_11)
-    radius = (r + 2.0 + 1.0 / r) * np.hypot(strain_11, _shear_part(r) * np.asarray(strain_12))
+    r = Ellipse(1.0, aspect_ratio).aspect_ratio
+    first, second = checked_finite("strain_11", strain_11), checked_finite("strain_12", strain_12)
+    middle = -(r - 1.0 / r) * first
+    radius = (r + 2.0 + 1.0 / r) * np.hypot(first, _shear_part(r) * second)
     return middle - radius, middle + radius
 
 
@@ -95,8 +108,14 @@ def unbounded_ellipse(fiber: Ellipse) -> FiberResponse:
     ----------
     fiber : Ellipse
         The fiber; its size does not matter.
+
+    Raises
+    ------
+    ConfigError
+        If it is more slender than `MOST_SLENDER`.
     """
     r = fiber.aspect_ratio
+    refuse_too_slender(r, MOST_SLENDER)
     m = (r - 1.0) / (r + 1.0)
     harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
     points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))
@@ -112,11 +131,25 @@ def jeffery_period(aspect_ratio: float, shear_rate: float) -> float:
     """Return the time of a full turn in simple shear, ``2 pi (r_e + 1/r_e)/gamma_dot`` [s].
 
     Eq. 24 of the paper, ``4 pi/(gamma_dot sqrt(1 - xi^2))``, written without its cancellation.
+
+    Parameters
+    ----------
+    aspect_ratio : float
+        ``r_e`` [-], positive.
+    shear_rate : float
+        ``gamma_dot`` [1/s]; its sign does not matter.
+
+    Raises
+    ------
+    ConfigError
+        If the aspect ratio is not positive, or the shear rate zero or not finite.
     """
-    if shear_rate == 0:
+    r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
+    rate = float(checked_finite("shear_rate", shear_rate))
+    if rate == 0:
         msg = "shear_rate = 0 1/s: a fiber in a melt at rest has no period; give a positive rate"
         raise ConfigError(msg)
-    return 2.0 * math.pi * (aspect_ratio + 1.0 / aspect_ratio) / abs(shear_rate)
+    return 2.0 * math.pi * (r + 1.0 / r) / abs(rate)
 
 
 def jeffery_angle(
@@ -138,9 +171,16 @@ def jeffery_angle(
         ``r_e`` [-].
     initial_angle : float
         Angle at time zero [rad].
+
+    Raises
+    ------
+    ConfigError
+        If the aspect ratio is not positive, or a number not finite.
     """
-    r = aspect_ratio
-    phase = _stretch(initial_angle, r) - shear_rate * np.asarray(time) / (r + 1.0 / r)
+    r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
+    rate = float(checked_finite("shear_rate", shear_rate))
+    start = float(checked_finite("initial_angle", initial_angle))
+    phase = _stretch(start, r) - rate * checked_finite("time", time) / (r + 1.0 / r)
     return np.asarray(_stretch(phase, 1.0 / r))
 
 

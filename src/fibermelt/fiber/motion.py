@@ -183,7 +183,8 @@ def angle_to_stream_at(path: Path, motion: Turning, times: Array) -> Array:
     """
     time = path.time
     times = np.asarray(times, dtype=np.float64)
-    if np.any(times < time[..., :1]) or np.any(times > time[..., -1:]):
+    # so that what is not a number is refused, too
+    if not np.all((times >= time[..., :1]) & (times <= time[..., -1:])):
         msg = f"times = {times}: outside the path, {time[..., 0].min()} to {time[..., -1].max()} s"
         raise ConfigError(msg)
     after = (time[..., None, :] <= times[..., :, None]).sum(axis=-1)

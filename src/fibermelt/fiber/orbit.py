@@ -145,7 +145,16 @@ def tumbling_period(shape_factor: float, shear_rate: float) -> float | None:
         ``B`` [-], above -1.
     shear_rate : float
         ``gamma_dot`` [1/s], positive.
+
+    Raises
+    ------
+    ConfigError
+        If one is out of its range.
     """
+    shear_rate = checked_positive("shear_rate", shear_rate, "1/s", "1")
+    if not shape_factor > -1.0:
+        msg = f"shape_factor = {shape_factor:g}: must be above -1 (Jeffery's is between -1 and 1)"
+        raise ConfigError(msg)
     if shape_factor >= 1.0:
         return None
     return 4.0 * math.pi / (shear_rate * math.sqrt((1.0 - shape_factor) * (1.0 + shape_factor)))

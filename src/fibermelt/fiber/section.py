@@ -23,6 +23,8 @@ import math
 import numpy as np
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import refuse_too_slender
+from fibermelt.fiber.jeffery import MOST_SLENDER
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.spheroid import SpheroidResponse
 
@@ -45,12 +47,14 @@ def planar_section(spheroid: SpheroidResponse) -> FiberResponse:
     Raises
     ------
     ConfigError
-        If the spheroid is oblate: its extremes over every orientation lie out of the plane.
+        If the spheroid is oblate, as its extremes over every orientation lie out of the plane; or
+        more slender than `fibermelt.fiber.jeffery.MOST_SLENDER`.
     """
     r = spheroid.aspect_ratio
     if r < 1.0:
         msg = f"fiber.aspect_ratio = {r:g}: the section of a disc does not see its extremes: >= 1"
         raise ConfigError(msg)
+    refuse_too_slender(r, MOST_SLENDER)
     m = (r - 1.0) / (r + 1.0)
     harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
     points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))

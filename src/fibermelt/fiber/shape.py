@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import checked_positive
 
 __all__ = ["Ellipse", "jeffery_factor"]
 
@@ -20,11 +21,16 @@ def jeffery_factor(aspect_ratio: float) -> float:
         Length over width ``r_e`` of the ellipse, positive; below one gives the negative of its
         inverse's factor.
 
+    Raises
+    ------
+    ConfigError
+        If the aspect ratio is not positive and finite.
+
     References
     ----------
     Jeffery 1922, doi 10.1098/rspa.1922.0078; below Eq. 23 of the paper.
     """
-    square = aspect_ratio * aspect_ratio
+    square = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6") ** 2
     return (square - 1.0) / (square + 1.0)
 
 

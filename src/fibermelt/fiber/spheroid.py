@@ -18,9 +18,7 @@ doi 10.1007/s00021-005-0208-0 (Jeffery's equation for any body).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,14 +28,11 @@ from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_u
 from fibermelt.fiber.ellipsoid import Ellipsoid, SurfaceExtremes, unbounded_ellipsoid
 from fibermelt.fiber.shape import jeffery_factor
 from fibermelt.fiber.spheroid_bounds import orientation_bound
-from fibermelt.fiber.symmetric import Components, Vector, extreme_eigenpairs
+from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
 
 __all__ = ["Spheroid", "SpheroidResponse", "embed_planar", "unbounded_spheroid"]
 
 Array = NDArray[np.float64]
-
-BLOCK = 1 << 13
-"""Fibers taken at a time: a few dozen arrays of this length stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +150,7 @@ class SpheroidResponse:
         L, p = np.broadcast_to(L, (*shape, 3, 3)), np.broadcast_to(p, (*shape, 3))
         lowest, highest = np.empty(shape), np.empty(shape)
         places = np.empty((*shape, 3)), np.empty((*shape, 3))
-        for block in _blocks(shape, BLOCK):
+        for block in blocks(shape):
             axis = _vector(p[block])
             low, high, at_low, at_high = extreme_eigenpairs(self._stress(L[block], axis))
             # pressure is minus the stress: the largest eigenvalue is the lowest pressure
@@ -252,11 +247,14 @@ def embed_planar(gradient: ArrayLike) -> Array:
     ------
     ConfigError
         If the gradients are not 2 x 2.
+    HistoryError
+        If a gradient is not finite or has a trace.
     """
     L = np.asarray(gradient, dtype=np.float64)
     if L.shape[-2:] != (2, 2):
         msg = f"gradient has shape {L.shape}, expected (..., 2, 2)"
         raise ConfigError(msg)
+    checked_gradient(L, 2)
     embedded = np.zeros((*L.shape[:-2], 3, 3))
     embedded[..., :2, :2] = L
     return embedded
@@ -276,18 +274,3 @@ def _strain(L: Array) -> Components:
 
 def _vector(p: Array) -> Vector:
     return np.asarray(p[..., 0]), np.asarray(p[..., 1]), np.asarray(p[..., 2])
-
-
-def _blocks(shape: tuple[int, ...], size: int) -> Iterator[tuple[Any, ...]]:
-    """Yield indices that cut leading axes into pieces of about ``size`` elements."""
-    rest = int(np.prod(shape[1:]))
-    if rest * (shape[0] if shape else 1) <= size:
-        yield ()
-    elif rest <= size:
-        step = size // rest
-        for start in range(0, shape[0], step):
-            yield (slice(start, start + step),)
-    else:
-        for k in range(shape[0]):
-            for tail in _blocks(shape[1:], size):
-                yield (k, *tail)

@@ -10,12 +10,25 @@ written out in components: a million matrices take a third of a second.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import reduce
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Components", "Vector", "extreme_eigenpairs"]
+__all__ = ["Components", "Vector", "blocks", "extreme_eigenpairs"]
 
 Array = NDArray[np.float64]
+
+BLOCK = 1 << 13
+"""Matrices taken at a time: a few dozen arrays of this length stay in the cache."""
+
+SAFE = (1e-100, 1e100)
+"""Largest components between which no product of two vanishes or overflows."""
+
+ISOTROPIC = 1e-140
+"""Size of a deviator whose squares vanish: far below the rounding of a matrix within `SAFE`."""
 
 Components = tuple[Array, Array, Array, Array, Array, Array]
 """``A_11, A_22, A_33, A_23, A_13, A_12`` of a symmetric matrix, arrays of one shape."""
@@ -41,10 +54,23 @@ def extreme_eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector
         To about ten roundings of the largest component.
     direction_lowest, direction_highest : three (...) arrays each
     """
+    largest = reduce(np.maximum, (np.abs(part) for part in matrix))
+    if np.all((largest > SAFE[0]) & (largest < SAFE[1])):
+        return _eigenpairs(matrix)
+    # rare: a melt at rest, or rates whose squares leave the range of floating-point numbers
+    largest = np.where(largest > 0.0, largest, 1.0)
+    a, b, c, d, e, f = (part / largest for part in matrix)
+    low, high, at_low, at_high = _eigenpairs((a, b, c, d, e, f))
+    return low * largest, high * largest, at_low, at_high
+
+
+def _eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector]:
+    """Return what `extreme_eigenpairs` does, of matrices within `SAFE` or zero."""
     mean = (matrix[0] + matrix[1] + matrix[2]) / 3.0
     a, b, c = matrix[0] - mean, matrix[1] - mean, matrix[2] - mean
     d, e, f = matrix[3], matrix[4], matrix[5]
     size = np.sqrt((0.5 * (a * a + b * b + c * c) + d * d + e * e + f * f) / 3.0)
+    size = np.where(size > ISOTROPIC, size, 0.0)
     unit = 1.0 / np.where(size > 0.0, size, 1.0)
     a, b, c, d, e, f = (part * unit for part in (a, b, c, d, e, f))
     half_det = 0.5 * (a * (b * c - d * d) + f * (e * d - f * c) + e * (f * d - b * e))
@@ -63,6 +89,29 @@ def extreme_eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector
         (first[0], first[1], first[2]),
         (second[0], second[1], second[2]),
     )
+
+
+def blocks(shape: tuple[int, ...], size: int = BLOCK) -> Iterator[tuple[Any, ...]]:
+    """Yield indices that cut the leading axes of a shape into pieces of about ``size`` elements.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of the arrays that are taken piece by piece.
+    size : int
+        Elements in a piece; the work on a piece should stay in the cache.
+    """
+    rest = int(np.prod(shape[1:]))
+    if rest * (shape[0] if shape else 1) <= size:
+        yield ()
+    elif rest <= size:
+        step = size // rest
+        for start in range(0, shape[0], step):
+            yield (slice(start, start + step),)
+    else:
+        for k in range(shape[0]):
+            for tail in blocks(shape[1:], size):
+                yield (k, *tail)
 
 
 def _null_vector(matrix: Components) -> Vector:

@@ -6,12 +6,8 @@ results give the same bytes with the same version of matplotlib.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from matplotlib.figure import Figure
 
 from fibermelt.report.along import along_words, figure_along
 from fibermelt.report.cell import cell_words, figure_cell
@@ -19,39 +15,16 @@ from fibermelt.report.domain import domain_words, figure_domain
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.overview import figure_overview, overview_words
+from fibermelt.report.plates import Plate
+from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
-from fibermelt.report.style import Words, save
+from fibermelt.report.style import save
 from fibermelt.report.voids import figure_voids, voids_words
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FIGURES", "Plate", "draw_figures"]
-
-
-@dataclass(frozen=True)
-class Plate:
-    """A figure of the report.
-
-    Parameters
-    ----------
-    name : str
-        Name of its files, without suffix.
-    title : str
-        What it is, in a few words.
-    draw : callable
-        From the results to the figure.
-    words : callable
-        From the results to caption and alternative text.
-    needs : str
-        A variable that only the results of its part of a study have.
-    """
-
-    name: str
-    title: str
-    draw: Callable[[xr.Dataset], Figure]
-    words: Callable[[xr.Dataset], Words]
-    needs: str = "extreme"
+__all__ = ["FIGURES", "draw_figures"]
 
 
 FIGURES = (
@@ -64,6 +37,8 @@ FIGURES = (
     Plate("cell", "The fiber's cell", figure_cell, cell_words),
     Plate("history", "Pressure on fibers along a streamline", figure_history, history_words),
     Plate("voids", "Where voids can start", figure_voids, voids_words, needs="void_margin"),
+    *ORBIT_FIGURES,
+    *DIMENSION_FIGURES,
 )
 """The figures in the order of a report."""
 

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 from fibermelt.study.claims import claims_in_words, summarize_claims
+from fibermelt.study.config import FROM_CONTENT
+from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_stage
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
@@ -10,11 +15,29 @@ from fibermelt.study.flow_stages import (
     streamlines_stage,
     write_fields,
 )
+from fibermelt.study.interaction_stage import interaction_stage
+from fibermelt.study.orientation_stages import content_stage, orientation_stage, stall_stage
+from fibermelt.study.orientation_summary import (
+    interaction_in_words,
+    orientation_in_words,
+    summarize_interaction,
+    summarize_orientation,
+)
 from fibermelt.study.parts import Chain, Part
+from fibermelt.study.sensitivity_stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.study.sensitivity_summary import (
+    dimensions_in_words,
+    orbits_in_words,
+    summarize_dimensions,
+    summarize_orbits,
+)
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
 from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage
 from fibermelt.study.void_summary import summarize_voids, voids_in_words
+
+if TYPE_CHECKING:
+    from fibermelt.study.parameters import Value
 
 __all__ = ["CHAIN"]
 
@@ -29,7 +52,9 @@ _CELL_PARAMETERS = (
 )
 _STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
+    *_CELL_PARAMETERS,
     "melt.viscosity",
+    "fiber.path",
     "fiber.initial_angles",
     "fiber.directions",
     "fiber.direction_count",
@@ -37,18 +62,66 @@ _MOTION_PARAMETERS = (
     "numerics.isotropic_angles",
 )
 
+_CONTENT_PARAMETERS = (
+    "fiber.aspect_ratio",
+    "interaction.volume_fraction",
+    "interaction.law",
+    "interaction.coefficient",
+    "interaction.closure",
+    "interaction.convention",
+)
+_ORIENTATION_PARAMETERS = (*_CONTENT_PARAMETERS, "interaction.start")
+
+
+def _from_content(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return what feeds the cell: its size may follow from the fiber content."""
+    return ("content",) if values["fiber.domain_size"] == FROM_CONTENT else ()
+
+
 CHAIN = Chain(
     stages=(
         Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
         ),
-        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage),
-        Stage("motion", 1, _MOTION_PARAMETERS, ("streamlines", "cell"), motion_stage),
+        Stage("stall", 1, ("fiber.aspect_ratio",), (), stall_stage),
+        Stage("content", 1, _CONTENT_PARAMETERS, ("stall",), content_stage),
+        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage, inputs_if=_from_content),
+        Stage(
+            "motion",
+            1,
+            _MOTION_PARAMETERS,
+            ("streamlines", "cell"),
+            motion_stage,
+            inputs_if=_from_content,
+        ),
         Stage("voids", 1, VOID_PARAMETERS, ("streamlines", "cell", "motion"), voids_stage),
+        Stage("orientation", 1, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage(
+            "interaction",
+            1,
+            ("fiber.aspect_ratio", "interaction.closure"),
+            ("stall",),
+            interaction_stage,
+        ),
+        Stage("orbits", 1, ORBITS_PARAMETERS, (), orbits_stage),
+        Stage(
+            "dimensions",
+            1,
+            DIMENSIONS_PARAMETERS,
+            ("streamlines", "cell"),
+            dimensions_stage,
+            inputs_if=_from_content,
+        ),
     ),
     parts=(
         Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
+        Part("orientation", ("orientation",), summarize_orientation, orientation_in_words),
+        Part(
+            "interaction", ("content", "interaction"), summarize_interaction, interaction_in_words
+        ),
+        Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
+        Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("voids", ("voids",), summarize_voids, voids_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),

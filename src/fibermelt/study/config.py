@@ -7,13 +7,14 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from fibermelt.errors import ConfigError
 from fibermelt.study.parameters import Section, quantity, setting
+from fibermelt.study.void_config import Voids
 
 __all__ = [
     "Config",
     "Fiber",
     "Flow",
+    "Interaction",
     "Melt",
     "Numerics",
     "Sensitivity",
@@ -26,20 +27,21 @@ _INFERRED = "inferred: the paper prints no dimensions; these reproduce its state
 _PAPER_2 = "the paper, section 2 (after Heller et al. and Wang et al.)"
 _PAPER_21 = "the paper, section 2.1 (after Heller et al. and Wang et al.)"
 _PAPER_25 = "the paper, section 2.5: M = 4.08, rounded to 4.0"
+_PAPER_25_ = "the paper, section 2.5"
 _PAPER_3 = "the paper, section 3"
 _TABLE_1 = "the paper, Table 1"
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
 
+FROM_CONTENT = "from-content"
+"""What a domain size is called that follows from the fiber content."""
+
 SHORTEST, LONGEST = 0.01, 100.0
 """Lengths of the nozzle and its gap over the capillary's width: beyond, no mesh resolves both."""
 
 FULL_TURN = 2 * math.pi
 """Largest angle [rad] at which a fiber can be said to enter; beyond, it was meant in degrees."""
-
-_MOIST = {"material", "moisture", "temperature", "threshold_rate"}
-"""What of the voids' table the melt is made of."""
 
 _VERIFIED = "the fiber's cell is verified in this range only"
 
@@ -50,14 +52,24 @@ def _edge(default: float, doc: str) -> float:
     return edge
 
 
+PartName = Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"]
+"""What can be asked for; the chain has a part of each name."""
+
+
 class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
-    parts: tuple[Literal["bead", "orbits", "dimensions", "voids", "claims"], ...] = setting(
+    parts: tuple[
+        Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"],
+        ...,
+    ] = setting(
         ["bead"],
-        'What is computed. "bead": fibers along the streamlines of the deposition flow; "orbits": '
+        'What is computed. "bead": fibers along the streamlines of the deposition flow; '
+        '"orientation": orientation tensors along them; "interaction": from fiber content to the '
+        'size of the cell; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
-        '"voids": where in the bead voids can start; "claims": whether the paper\'s claims hold in what the other parts found.',
+        '"voids": where in the bead voids can start; "claims": whether the paper\'s claims hold in '
+        "what the other parts found.",
     )
 
     @model_validator(mode="after")
@@ -224,9 +236,27 @@ class Fiber(Section):
         "How fibers enter: at initial_angles in the plane of the flow, or evenly over the sphere.",
         source="the paper's fibers lie in the plane; a spheroid need not",
     )
+    path: Literal["superposition", "newton"] = setting(
+        "superposition",
+        "How fibers are followed: by the cell's two flows, or by Newton-Raphson on force and "
+        "torque at every step. Newton: confined ellipse only, at 10^4 to 10^5 times the cost.",
+        source='"newton" is the paper\'s algorithm, Eq. 15-22',
+    )
     direction_count: int = setting(
         50, 'Number of initial directions, with directions = "equal-area".', ge=1, le=10000
     )
+
+    @model_validator(mode="after")
+    def _path(self) -> Self:
+        """Refuse the paper's algorithm where there is no cell to work on."""
+        if self.path == "newton" and self.model != "confined-ellipse":
+            msg = (
+                'fiber.path = "newton": the paper\'s algorithm works on a cell, which '
+                f'fiber.model = "{self.model}" has not: take fiber.model = "confined-ellipse", or '
+                'fiber.path = "superposition"'
+            )
+            raise ValueError(msg)
+        return self
 
     @model_validator(mode="after")
     def _start(self) -> Self:
@@ -262,12 +292,32 @@ class Streamlines(Section):
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
     points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
-    features: tuple[int, ...] = setting(
-        [4, 10, 18],
-        "Streamlines that are looked at one by one; those beyond count are left out.",
-        ge=1,
-        le=1000,
-        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+
+
+class Interaction(Section):
+    """How fibers disturb one another: the suspension, and the law of its orientation."""
+
+    volume_fraction: float = quantity(
+        0.084, "", "Fiber content by volume.", gt=0, lt=1, source=f"{_PAPER_25_}, 13 % by weight"
+    )
+    law: Literal["bay", "phan-thien"] = setting(
+        "bay", "What content and aspect ratio say of the coefficient.", source=_PAPER_25_
+    )
+    coefficient: float | None = quantity(
+        None, "", "Interaction coefficient C_I; from the law if left out.", gt=0, example="0.0128"
+    )
+    closure: Literal[
+        "linear", "quadratic", "hybrid", "ORS", "ORF", "ORL", "ORW", "ORW3", "ORE", "IBOF", "exact"
+    ] = setting("ORE", "Closure of the fourth moment of the orientation.", source=_PAPER_25_)
+    convention: Literal["standard", "paper"] = setting(
+        "standard",
+        "Rate of deformation that multiplies the coefficient: sqrt(2 D:D), or sqrt(2) times that.",
+        source='"paper" is what the paper\'s Eq. 33 follows, not what its text says',
+    )
+    start: Literal["isotropic", "inlet"] = setting(
+        "isotropic",
+        "Orientation of the fibers that enter: every direction alike, or steady in the inlet's "
+        "flow.",
     )
 
 
@@ -307,46 +357,18 @@ class Sensitivity(Section):
         hints={"gt": "the fiber would be larger than its cell", "ge": _VERIFIED, "le": _VERIFIED},
     )
 
-
-class Voids(Section):
-    """The moisture in the melt, and what counts as nucleation."""
-
-    material: Literal["abs-cf13", "pei", "pla"] = setting(
-        "abs-cf13",
-        "Material card that says how the melt holds moisture; fibermelt voids takes others too.",
-        source=_PAPER_2,
-    )
-    moisture: float | Literal["from-card"] = quantity(
-        "0.17 %",
-        "",
-        "Moisture over the mass of polymer (from card: as received).",
-        words=("from-card",),
-        ge=0,
-        le=1,
-        source="lowest of the ABS filaments, 0.17 to 0.75 wt%, of Materials 2024, 17, 1988",
-    )
-    temperature: float | Literal["from-card"] = quantity(
-        "230 degC",
-        "K",
-        "Temperature of the melt, the same everywhere (from card: that of printing).",
-        words=("from-card",),
-        ge=273.16,
-        le=647.096,
-        source=_PAPER_2,
-        hints={"ge": "water's triple point", "le": "water's critical point"},
-    )
-    threshold_rate: float = quantity(
-        "1 1/(m^3 s)",
-        "1/(m^3 s)",
-        "Rate of nucleation that counts as its onset.",
-        gt=0,
-        ge=1e-30,
-        le=1e30,
-        source="the paper, Appendix I: J >= 1",
-    )
-    layers: int = setting(
-        10, "Number of layers of the profile from the bed to the free surface.", ge=2, le=1000
-    )
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        """Refuse no aspect ratio, and what is listed twice."""
+        if not self.aspect_ratios:
+            msg = "sensitivity.aspect_ratios = []: at least one, such as [6]"
+            raise ValueError(msg)
+        for name in ("aspect_ratios", "shear_rates", "viscosities"):
+            values = getattr(self, name)
+            if len(set(values)) < len(values):
+                msg = f"sensitivity.{name}: lists a value twice: name each once"
+                raise ValueError(msg)
+        return self
 
 
 class Numerics(Section):
@@ -410,6 +432,7 @@ class Config(Section):
     melt: Melt = Field(default_factory=Melt)
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
+    interaction: Interaction = Field(default_factory=Interaction)
     sensitivity: Sensitivity = Field(default_factory=Sensitivity)
     voids: Voids = Field(default_factory=Voids)
     numerics: Numerics = Field(default_factory=Numerics)
@@ -418,12 +441,7 @@ class Config(Section):
     def _moisture(self) -> Self:
         """Refuse what the material's card does not allow, before the flow is computed."""
         if "voids" in self.study.parts:
-            from fibermelt.study.void_melt import moist_melt  # noqa: PLC0415  lazy: NumPy
-
-            try:
-                moist_melt(**self.voids.model_dump(include=_MOIST))
-            except ConfigError as error:
-                raise ValueError(str(error)) from error
+            self.voids.refuse_impossible()
         return self
 
     @model_validator(mode="after")

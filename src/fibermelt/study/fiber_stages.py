@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
-from fibermelt.errors import ConfigError
+from fibermelt.study.followed import followed_by_newton, followed_in_plane, followed_in_space
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
-    from numpy.typing import NDArray
 
-    from fibermelt.fiber.extremes import Extremes
+    from fibermelt.fiber.cell_data import CellNumerics
     from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.shape import Ellipse
 
-__all__ = ["cell_stage", "motion_stage"]
+__all__ = ["cell_stage", "domain_size", "motion_stage", "stored_model", "stored_path"]
 
 PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
     "mean": "cell-edge",
@@ -36,24 +34,24 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     if parameters["fiber.model"] == "confined-ellipse":
-        return _confined(fiber, parameters, say)
+        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
     return _unbounded(fiber, parameters["fiber.model"], say)
 
 
-def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
+def domain_size(parameters: Parameters, inputs: Inputs) -> float:
+    """Return ``M`` of the fiber's cell [-]: as the study says, or from its fiber content."""
+    if "content" in inputs:
+        return float(inputs["content"]["content_domain_size"])
+    return float(parameters["fiber.domain_size"])
+
+
+def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
     """Solve the cell of a confined ellipse."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
 
-    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
-    if parameters["numerics.cell_mesh"] == "paper":
-        numerics = CellNumerics(mesh="paper", pressure_reference=reference)
-    else:
-        order = parameters["numerics.cell_order"]
-        numerics = CellNumerics(order=order, pressure_reference=reference)
-    solution = solve_cell(fiber, parameters["fiber.domain_size"], numerics)
+    solution = solve_cell(fiber, size, _numerics(parameters))
     say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
     stall_angle, error = solution.stall_angle, solution.error_estimate
     return labelled(
@@ -76,6 +74,16 @@ def _confined(fiber: Ellipse, parameters: Parameters, say: Say) -> xr.Dataset:
             "cell_pressure": solution.pressure,
         }
     )
+
+
+def _numerics(parameters: Parameters) -> CellNumerics:
+    """Return how the study's cell is solved."""
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
+
+    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    if parameters["numerics.cell_mesh"] == "paper":
+        return CellNumerics(mesh="paper", pressure_reference=reference)
+    return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
 
 
 def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -> xr.Dataset:
@@ -113,7 +121,7 @@ def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -
     )
 
 
-def _model(cell: xr.Dataset) -> FiberModel:
+def stored_model(cell: xr.Dataset) -> FiberModel:
     """Return the fiber's model that was stored."""
     from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
     from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415  lazy: see the module
@@ -133,7 +141,7 @@ def _model(cell: xr.Dataset) -> FiberModel:
     )
 
 
-def _path(lines: xr.Dataset) -> PathBundle:
+def stored_path(lines: xr.Dataset) -> PathBundle:
     """Return the flow histories that were stored."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -152,19 +160,26 @@ def _path(lines: xr.Dataset) -> PathBundle:
 
 
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Follow the fibers along all streamlines, and find the pressure on their surfaces."""
+    """Follow the fibers along all streamlines, and find the pressure on their surfaces.
+
+    What is over every orientation, bounds and quantiles, is by superposition on either path: the
+    paper's algorithm would take a run of its own for each.
+    """
     from fibermelt.fiber.extremes import KINDS, LOCATIONS, extreme_bounds  # noqa: PLC0415
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
-    path, model = _path(inputs["streamlines"]), _model(inputs["cell"])
+    path, model = stored_path(inputs["streamlines"]), stored_model(inputs["cell"])
     viscosity, count = parameters["melt.viscosity"], parameters["numerics.isotropic_angles"]
     middle = inputs["streamlines"]["middle_time"].to_numpy()
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
-    if parameters["fiber.directions"] == "in-plane":
-        followed = _followed_in_plane(parameters, path, model, middle, zone_time, say)
+    if parameters["fiber.path"] == "newton":
+        size, numerics = domain_size(parameters, inputs), _numerics(parameters)
+        followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
+    elif parameters["fiber.directions"] == "in-plane":
+        followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
     else:
-        followed = _followed_in_space(parameters, path, model, middle, zone_time, say)
+        followed = followed_in_space(parameters, path, model, middle, zone_time, say)
     bounds = pressure_bounds(path, model.response, viscosity)
     say(f"{count} directions of an isotropic start")
     isotropic = model.isotropic_pressure(path, viscosity, middle, count, QUANTILE_LEVELS)
@@ -182,89 +197,3 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "extreme_quantiles": isotropic.extremes,
         }
     )
-
-
-def _followed_in_plane(
-    parameters: Parameters,
-    path: PathBundle,
-    model: FiberModel,
-    middle: NDArray[np.float64],
-    zone_time: NDArray[np.float64],
-    say: Say,
-) -> dict[str, Any]:
-    """Return the fibers that enter at the initial angles, in the plane of the flow."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
-    from fibermelt.fiber.motion import angle_to_stream_at, follow  # noqa: PLC0415
-    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
-
-    angles = np.asarray(parameters["fiber.initial_angles"])
-    tolerance = parameters["numerics.angle_tolerance"]
-    say(f"{len(angles)} angles on {len(path)} streamlines")
-    motion = follow(path, model.response.shape_factor, angles, tolerance)
-    pressure = surface_pressure(path, model.response, parameters["melt.viscosity"], motion)
-    return {
-        "initial_angle": angles,
-        "angle": motion.angle,
-        "lowest": pressure.lowest,
-        "highest": pressure.highest,
-        "zone_angle": angle_to_stream_at(path, motion, zone_time),
-        **_named(extremes(path, pressure, motion, middle)),
-    }
-
-
-def _followed_in_space(
-    parameters: Parameters,
-    path: PathBundle,
-    model: FiberModel,
-    middle: NDArray[np.float64],
-    zone_time: NDArray[np.float64],
-    say: Say,
-) -> dict[str, Any]:
-    """Return the fibers that enter evenly over the sphere, streamline by streamline.
-
-    They are ordered by their angle seen along z, which is that of the results; beside it stands
-    their elevation out of the plane.
-    """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
-    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
-    from fibermelt.fiber.spatial import (  # noqa: PLC0415
-        follow_spatial,
-        half_sphere,
-        spatial_pressure,
-    )
-
-    if model.spheroid is None:
-        msg = f'fiber.directions = "equal-area" with fiber.model = "{model.name}"'
-        raise ConfigError(msg)
-    start = half_sphere(parameters["fiber.direction_count"])
-    tolerance = parameters["numerics.angle_tolerance"]
-    say(f"{len(start)} directions on {len(path)} streamlines")
-    found = []
-    for one, middle_time, times in zip(path.histories, middle, zone_time, strict=True):
-        motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
-        pressure = spatial_pressure(one, model.spheroid, parameters["melt.viscosity"], motion)
-        found.append(
-            {
-                "angle": motion.angle,
-                "elevation": motion.elevation,
-                "lowest": pressure.lowest,
-                "highest": pressure.highest,
-                "zone_angle": angle_to_stream_at(one, motion, times),
-                **_named(extremes(one, pressure, motion, float(middle_time))),
-            }
-        )
-    return {
-        "initial_angle": np.arctan2(start[:, 1], start[:, 0]),
-        "initial_elevation": np.arcsin(start[:, 2]),
-        **{name: np.stack([line[name] for line in found]) for name in found[0]},
-    }
-
-
-def _named(found: Extremes) -> dict[str, Any]:
-    """Return extremes by the names of their variables."""
-    parts = ("x", "y", "time", "pressure", "angle", "where")
-    return {"extreme": found.value, **{f"extreme_{name}": getattr(found, name) for name in parts}}

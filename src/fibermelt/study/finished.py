@@ -35,10 +35,7 @@ def finished_results(directory: Path) -> xr.Dataset:
     path, manifest = directory / "results.nc", directory / "stages" / "outputs.json"
     with storage_errors(directory):
         if not path.is_file() or not manifest.is_file():
-            msg = (
-                f"{shown}: holds no finished run; make one with "
-                f"fibermelt run paper --out {shown}"
-            )
+            msg = f"{shown}: holds no finished run; make one with fibermelt run paper --out {shown}"
             raise StoreError(msg)
         refuse_foreign(directory, directory / "stages" / "store.json")
         try:

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
+from fibermelt.study.orientation_variables import ORIENTATION_VARIABLES
+from fibermelt.study.sensitivity_variables import SENSITIVITY_VARIABLES
 from fibermelt.study.void_variables import VOID_VARIABLES
 
 if TYPE_CHECKING:
@@ -122,6 +124,8 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "rad",
         "angle of the fiber to the streamline at the zone",
     ),
+    **ORIENTATION_VARIABLES,
+    **SENSITIVITY_VARIABLES,
     **VOID_VARIABLES,
 }
 """``{name: (dimensions, unit, long name)}``; a pure number has the unit 1."""

@@ -20,6 +20,9 @@ __all__ = ["FROM_CARD", "MoistMelt", "moist_melt"]
 FROM_CARD: Literal["from-card"] = "from-card"
 """Stands for the card's own moisture or temperature."""
 
+STUDY = "voids."
+"""How the keys of a study begin."""
+
 _shipped = cache(load_card)
 
 
@@ -50,7 +53,7 @@ def moist_melt(
     moisture: float | Literal["from-card"] = FROM_CARD,
     temperature: float | Literal["from-card"] = FROM_CARD,
     threshold_rate: float = 1.0,
-    said: str = "voids.",
+    said: str = STUDY,
 ) -> MoistMelt:
     """Return the melt of a card at a moisture and a temperature.
 
@@ -78,12 +81,13 @@ def moist_melt(
         if gap := card.melt.gaps.get("isotherm"):
             msg = f"{card.name}: {gap}"
             raise ConfigError(msg)
+    instead = '; or write "from-card"' if said == STUDY else ""
     T = card.temperature if temperature == FROM_CARD else temperature
     w = card.moisture if moisture == FROM_CARD else moisture
     if w is None:
         msg = f"{said}moisture: the card of {card.name} has none: give one, such as 0.1 %"
         raise ConfigError(msg)
-    with _named(said, "temperature"):
+    with _named(said, "temperature", instead):
         saturation = card.melt.saturation_content(T)
     with _named(said, "moisture"):
         checked_moisture(w, saturation, np.asarray(T))
@@ -91,7 +95,7 @@ def moist_melt(
 
 
 @contextmanager
-def _named(said: str, name: str) -> Iterator[None]:
+def _named(said: str, name: str, way_out: str = "") -> Iterator[None]:
     """Have every line of what is wrong with a value start with its key."""
     try:
         yield
@@ -101,4 +105,4 @@ def _named(said: str, name: str) -> Iterator[None]:
             f"{said}{line}" if line.startswith(f"{name} =") else f"{said}{name}: {line}"
             for line in lines
         )
-        raise ConfigError(msg) from error
+        raise ConfigError(msg + way_out) from error

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
-from fibermelt.study.config import Voids
 from fibermelt.study.finished import finished_results
+from fibermelt.study.void_config import Voids
 from fibermelt.study.void_melt import FROM_CARD, MoistMelt, moist_melt
 from fibermelt.study.void_stages import assess_bead
 from fibermelt.study.void_summary import summarize_voids

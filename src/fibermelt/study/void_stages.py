@@ -24,6 +24,7 @@ __all__ = ["VOID_PARAMETERS", "assess_bead", "voids_stage"]
 
 VOID_PARAMETERS = ("voids", "melt.viscosity")
 
+
 def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Hold the pressure on fibers against the vapor pressure, along every streamline."""
     from fibermelt.study.void_melt import moist_melt  # noqa: PLC0415  lazy: see the module

@@ -198,14 +198,15 @@ def _worst(voids: Mapping[str, Any]) -> list[str]:
     worst = min(regular, key=lambda line: float(line["lowest_pressure"]))
     in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
     lines = [
-        f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its worst "
-        f"direction, on streamline {worst['index']} ({1e3 * worst['height']:.2f} mm above the bed)",
+        f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its "
+        f"worst direction, on streamline {worst['index']} ({1e3 * worst['height']:.2f} mm above "
+        "the bed)",
         f"                {in_space / 1e6:.3f} MPa on an unbounded spheroid in space",
     ]
     if (wetting := worst["required_wetting"]) is not None and worst["critical_radius"]:
         lines.append(
-            f"nucleation      critical radius {1e9 * worst['critical_radius']:.0f} nm; starts where "
-            f"a surface leaves {100 * wetting:.2g} % of the homogeneous barrier (log10 rate "
+            f"nucleation      critical radius {1e9 * worst['critical_radius']:.0f} nm; starts "
+            f"where a surface leaves {100 * wetting:.2g} % of the homogeneous barrier (log10 rate "
             f"{worst['log10_rate']:.3g})"
         )
     layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]

@@ -13,12 +13,16 @@ from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution
 from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_paper import PaperGrid
 from fibermelt.fiber.cell_surface import surface_basis
+from fibermelt.fiber.checks import refuse_too_slender
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["cell_grid", "solve_cell"]
 
 Index = NDArray[np.intp]
+
+MOST_SLENDER = 1e3
+"""Aspect ratio up to which a cell has been solved: in ten seconds, to an estimated 1.5e-5."""
 
 
 def solve_cell(
@@ -75,7 +79,8 @@ def solve_cell(
 
 
 def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid | PaperGrid:
-    """Return the grid of a cell; refuse one that cannot hold its fiber (`ConfigError`)."""
+    """Return the grid of a cell; refuse one that cannot hold or resolve it (`ConfigError`)."""
+    refuse_too_slender(fiber.aspect_ratio, MOST_SLENDER)
     if not (np.isfinite(domain_size) and domain_size > 2):
         msg = (
             f"fiber.domain_size = {domain_size:g}: the cell's radius is domain_size/2 half-lengths "

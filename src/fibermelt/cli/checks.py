@@ -1,0 +1,45 @@
+"""`fibermelt verify`: what is known by other ways, checked on this machine."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from fibermelt.cli.common import INTERRUPTED, JsonOption, say, told
+
+__all__ = ["verify"]
+
+FAILED = 1
+"""Exit code when a check fails: no mistake of the user's, hence not theirs."""
+
+
+def verify(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out what takes more than a few seconds.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Check this installation against exact solutions and independent paths; exit 1 if one fails.
+
+    Each check is a number with a bound that was stated before: an error, or an observed order of
+    convergence.
+    """
+    with told():
+        from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.verify.ladder import climb  # noqa: PLC0415
+        from fibermelt.verify.rungs import LADDER  # noqa: PLC0415
+        from fibermelt.verify.words import as_answer, in_words  # noqa: PLC0415
+
+        try:
+            with observing() as observer:
+                checks = climb(LADDER, quick=quick, say=observer.step)
+        except KeyboardInterrupt:
+            raise typer.Exit(INTERRUPTED) from None
+        if as_json:
+            say(json.dumps(as_answer(checks), indent=1, allow_nan=False))
+        else:
+            say(in_words(checks))
+        if not all(check.passed for check in checks):
+            raise typer.Exit(FAILED)

@@ -1,0 +1,41 @@
+"""What a figure of the report is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from fibermelt.report.style import Words
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Plate"]
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A figure of the report.
+
+    Parameters
+    ----------
+    name : str
+        Name of its files, without suffix.
+    title : str
+        What it is, in a few words.
+    draw : callable
+        From the results to the figure.
+    words : callable
+        From the results to caption and alternative text.
+    needs : str
+        A variable that only the results of its part of a study have.
+    """
+
+    name: str
+    title: str
+    draw: Callable[[xr.Dataset], Figure]
+    words: Callable[[xr.Dataset], Words]
+    needs: str = "extreme"

@@ -1,0 +1,47 @@
+"""The figures of the sensitivity studies: the paper's Fig. 8 to 13, and 2D against 3D."""
+
+from __future__ import annotations
+
+from fibermelt.report.around import around_words, figure_around
+from fibermelt.report.dimensions import dimensions_words, figure_dimensions
+from fibermelt.report.orbits import (
+    figure_motion,
+    figure_pressures,
+    motion_words,
+    pressures_words,
+)
+from fibermelt.report.plates import Plate
+from fibermelt.report.sweeps import sweep_figure, sweep_words
+
+__all__ = ["DIMENSION_FIGURES", "ORBIT_FIGURES"]
+
+
+ORBITS, DIMENSIONS = "orbit_period", "peak_pressure"
+"""Variables that only the stage has whose figures they are."""
+
+
+def _sweep(name: str, title: str) -> Plate:
+    plate = f"orbit-{name.replace('_', '-')}"
+    return Plate(plate, title, sweep_figure(name), sweep_words(name), ORBITS)
+
+
+ORBIT_FIGURES = (
+    Plate("orbit-motion", "A fiber's turn in simple shear", figure_motion, motion_words, ORBITS),
+    Plate("orbit-pressure", "Pressure over a turn", figure_pressures, pressures_words, ORBITS),
+    _sweep("aspect_ratio", "Pressure over half a turn by aspect ratio"),
+    Plate("orbit-around", "Pressure around the fiber", figure_around, around_words, ORBITS),
+    _sweep("shear_rate", "Pressure over half a turn by shear rate"),
+    _sweep("viscosity", "Pressure over half a turn by viscosity"),
+)
+"""What is drawn of the stage "orbits": Fig. 8, 9, 10, 11, 12, 13, in this order."""
+
+DIMENSION_FIGURES = (
+    Plate(
+        "dimensions",
+        "Two dimensions against three",
+        figure_dimensions,
+        dimensions_words,
+        DIMENSIONS,
+    ),
+)
+"""What is drawn of the stage "dimensions"."""

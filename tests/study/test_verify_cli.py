@@ -1,0 +1,67 @@
+"""`fibermelt verify`: the quick ladder passes here, and a failure is told and exits with 1."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from fibermelt.cli import app
+from fibermelt.errors import ConvergenceError
+from fibermelt.verify import Rung, below, rungs
+
+BOUND = below("a bound", "This with that.", "a book", 1e-3, "a tenth of it")
+
+
+def fibermelt(*arguments):
+    return CliRunner().invoke(app, list(arguments))
+
+
+def ladder(monkeypatch, measure, quick=True):
+    monkeypatch.setattr(rungs, "LADDER", (Rung("flow", (BOUND,), measure, quick),))
+
+
+def test_the_quick_ladder_passes():
+    done = fibermelt("verify", "--quick", "--json")
+    answer = json.loads(done.stdout)
+    assert [check["name"] for check in answer["checks"] if not check["passed"]] == []
+    assert done.exit_code == 0
+    quick = sum(len(rung.expected) for rung in rungs.LADDER if rung.quick)
+    assert (answer["passed"], answer["failed"]) == (quick, 0)
+    assert "flow: die swell" in done.stderr
+
+
+def test_a_failure_exits_with_1(monkeypatch):
+    ladder(monkeypatch, lambda: (2e-3,))
+    done = fibermelt("verify")
+    assert done.exit_code == 1
+    assert "FAIL  flow  a bound" in done.stdout
+    assert "0 of 1 checks pass" in done.stdout
+    answer = json.loads(fibermelt("verify", "--json").stdout)
+    assert (answer["failed"], answer["checks"][0]["value"]) == (1, 2e-3)
+
+
+def test_a_check_that_cannot_be_done_exits_with_1_and_its_reason(monkeypatch):
+    def refuse():
+        msg = "no steady surface"
+        raise ConvergenceError(msg)
+
+    ladder(monkeypatch, refuse)
+    done = fibermelt("verify")
+    assert done.exit_code == 1
+    assert "no steady surface" in done.stdout
+
+
+@pytest.mark.parametrize(("flags", "count"), [((), 1), (("--quick",), 0)])
+def test_quick_leaves_out_the_slow_ones(monkeypatch, flags, count):
+    ladder(monkeypatch, lambda: (0.0,), quick=False)
+    done = fibermelt("verify", "--json", *flags)
+    assert done.exit_code == 0
+    assert len(json.loads(done.stdout)["checks"]) == count
+
+
+def test_interrupted(monkeypatch):
+    def stop():
+        raise KeyboardInterrupt
+
+    ladder(monkeypatch, stop)
+    assert fibermelt("verify").exit_code == 130

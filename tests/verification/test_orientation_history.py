@@ -1,0 +1,176 @@
+"""Orientation along histories against the exact solution, with the orders that theory says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
+from fibermelt.history import simple_shear
+from fibermelt.orientation.closures import CLOSURES
+from fibermelt.orientation.evolve import follow_orientation
+from fibermelt.orientation.flows import FLOWS
+from fibermelt.orientation.models import RSC, FolgarTucker, Jeffery, shape_factor
+from fibermelt.orientation.tensors import isotropic
+
+Array = NDArray[np.float64]
+
+XI = 0.9
+DURATION = 3.0
+EXACT = CLOSURES["exact"]
+
+
+def gradient(t: float) -> Array:
+    """A history that turns, stretches and leaves the plane."""
+    c, s = np.cos(t), np.sin(t)
+    return np.array([[0.2 * c, 1.0, 0.1 * t], [0.3 * s, -0.5 * c, 0.2], [0.0, 0.1, 0.3 * c]])
+
+
+def moments(F: Array) -> Array:
+    """``<F p p F^T/|F p|^2>`` over all directions p: Gauss-Legendre by trapezoidal rule."""
+    x, weight = np.polynomial.legendre.leggauss(80)
+    angle = 2.0 * np.pi * np.arange(160) / 160
+    across = np.sqrt(1.0 - x**2)[:, None]
+    p = np.stack(
+        np.broadcast_arrays(across * np.cos(angle), across * np.sin(angle), x[:, None]), axis=-1
+    )
+    q = p @ F.T
+    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.asarray(np.einsum("u,uvi,uvj->ij", weight / 320.0, q, q))
+
+
+@pytest.fixture(scope="module")
+def exact() -> Array:
+    """Jeffery's fibers from isotropy at the end: ``F_dot = (W + xi D) F`` moves every one."""
+
+    def rate(t: float, F: Array) -> Array:
+        L = gradient(t)
+        B = 0.5 * (1.0 + XI) * L - 0.5 * (1.0 - XI) * L.T
+        return np.asarray((B @ F.reshape(3, 3)).ravel())
+
+    end = solve_ivp(
+        rate, (0.0, DURATION), np.eye(3).ravel(), method="DOP853", rtol=1e-12, atol=1e-13
+    )
+    return moments(end.y[:, -1].reshape(3, 3))
+
+
+def end_error(exact: Array, points: int, tolerance: float) -> tuple[float, float]:
+    """Return error at the end, and the error estimated."""
+    time = np.linspace(0.0, DURATION, points)
+    path = (time, np.stack([gradient(t) for t in time]))
+    found = follow_orientation(Jeffery(XI), EXACT, path, isotropic(), rtol=tolerance)
+    assert found.violation == 0.0
+    return float(np.max(np.abs(found.a[-1] - exact))), float(found.error)
+
+
+def test_jeffery_with_the_exact_closure_is_exact(exact: Array) -> None:
+    """Fourth order in the spacing of the history's points, whose cubic is all that errs."""
+    errors = [end_error(exact, points, 1e-11)[0] for points in (21, 41, 81)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 3.85) < 0.2), orders  # 4, less what the ends' slopes lack
+    assert errors[-1] < 5e-9
+
+
+def test_the_integrator_is_of_fifth_order() -> None:
+    """A gradient that does not change is interpolated without error: one step to an interval."""
+    L = gradient(0.4) - np.eye(3) * np.trace(gradient(0.4)) / 3.0
+    ends = []
+    for points in (13, 25, 49, 385):
+        path = (np.linspace(0.0, DURATION, points), np.broadcast_to(L, (points, 3, 3)))
+        found = follow_orientation(FolgarTucker(XI, 0.02), EXACT, path, isotropic(), rtol=1.0)
+        assert found.steps == points - 1
+        ends.append(found.a[-1])
+    errors = np.array([np.max(np.abs(end - ends[-1])) for end in ends[:-1]])
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert np.all(np.abs(orders - 5.0) < 0.2), orders
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_the_error_is_below_its_estimate(tolerance: float) -> None:
+    """The estimate is that of the lower order, so it is on the safe side; not by much more."""
+    path = (np.array([0.0, 10.0]), np.stack([FLOWS["mixed"]] * 2))
+    model = FolgarTucker(XI, 0.02)
+    found = follow_orientation(model, CLOSURES["ORE"], path, isotropic(), rtol=tolerance)
+    sharp = follow_orientation(model, CLOSURES["ORE"], path, isotropic(), rtol=1e-12, atol=1e-13)
+    error = np.max(np.abs(found.a[-1] - sharp.a[-1]))
+    assert error < found.error < 30.0 * tolerance
+    assert found.trace_drift < 1e-13
+
+
+def test_many_histories_and_tensors_at_once() -> None:
+    """Each as if it were alone, within the tolerance of the steps."""
+    model, closure = RSC(shape_factor(6.0), 0.0128, 0.2), CLOSURES["ORE"]
+    time = np.array([np.linspace(0.0, end, 21) for end in (2.0, 5.0, 9.0)])
+    L = np.zeros((3, 21, 2, 2))
+    L[..., 0, 1] = 1.0 + 0.3 * np.sin(time)
+    L[..., 0, 0] = 0.2 * np.cos(time)
+    L[..., 1, 1] = -L[..., 0, 0]
+    starts = np.stack([np.diag([0.5, 0.3, 0.2]), np.diag([0.2, 0.2, 0.6])])[:, None]
+    found = follow_orientation(model, closure, (time, L), starts, rtol=1e-9, atol=1e-11)
+    assert found.a.shape == (2, 3, 21, 3, 3)
+    assert found.error.shape == found.violation.shape == (2, 3)
+    for i in range(2):
+        for j in range(3):
+            one = follow_orientation(
+                model, closure, (time[j], L[j]), starts[i, 0], rtol=1e-9, atol=1e-11
+            )
+            assert np.max(np.abs(found.a[i, j] - one.a)) < 1e-7
+
+
+def test_between_uneven_points_a_quadratic_gradient_is_met_exactly() -> None:
+    def path(time: Array) -> tuple[Array, Array]:
+        shape = (1.0 + 0.8 * time - 0.3 * time**2)[:, None, None]
+        return time, shape * FLOWS["mixed"] + time[:, None, None] * FLOWS["biaxial"]
+
+    uneven = np.array([0.0, 0.1, 0.7, 0.9, 2.0, 2.2, 3.0])
+    ends = [
+        follow_orientation(
+            FolgarTucker(XI, 0.02), CLOSURES["ORE"], path(time), isotropic(), rtol=1e-9
+        ).a[-1]
+        for time in (uneven, np.linspace(0.0, 3.0, 61))
+    ]
+    assert np.max(np.abs(ends[1] - ends[0])) < 1e-8  # ten times the tolerance of a step
+
+
+def test_a_history_of_the_flow_is_a_path() -> None:
+    found = follow_orientation(
+        FolgarTucker(XI, 0.01), CLOSURES["ORE"], simple_shear(2.0, 3.0, 31), isotropic()
+    )
+    time = np.linspace(0.0, 6.0, 31)
+    path = (time, np.broadcast_to(FLOWS["simple-shear"], (31, 3, 3)))
+    same = follow_orientation(FolgarTucker(XI, 0.01), CLOSURES["ORE"], path, isotropic())
+    assert np.max(np.abs(found.a - same.a)) < 1e-13  # strain is all that counts
+
+
+def test_leaving_the_range_is_reported_not_clipped() -> None:
+    path = (np.linspace(0.0, 8.0, 41), np.broadcast_to(FLOWS["planar"], (41, 3, 3)))
+    found = follow_orientation(FolgarTucker(XI, 0.003), CLOSURES["linear"], path, isotropic())
+    values = np.linalg.eigvalsh(found.a)
+    assert found.violation > 0.05
+    assert found.violation == pytest.approx(max(-np.min(values), np.max(values) - 1.0), abs=1e-12)
+
+
+def test_what_no_history_can_have_is_refused() -> None:
+    model, closure, a = FolgarTucker(XI, 0.01), CLOSURES["ORE"], isotropic()
+    time, L = np.linspace(0.0, 1.0, 5), np.broadcast_to(FLOWS["planar"], (5, 3, 3))
+    with pytest.raises(HistoryError, match="increase strictly"):
+        follow_orientation(model, closure, (time[::-1], L), a)
+    with pytest.raises(HistoryError, match="expected"):
+        follow_orientation(model, closure, (time[:4], L), a)
+    with pytest.raises(HistoryError, match="trace"):
+        follow_orientation(model, closure, (time, L + np.eye(3)), a)
+    with pytest.raises(ConfigError, match="a0 has trace"):
+        follow_orientation(model, closure, (time, L), 2.0 * a)
+    with pytest.raises(ConfigError, match="rtol = 0"):
+        follow_orientation(model, closure, (time, L), a, rtol=0.0)
+    with pytest.raises(ConfigError, match="leading axes"):
+        follow_orientation(model, closure, (np.stack([time] * 2), np.stack([L] * 2)), [a] * 3)
+
+
+def test_a_rate_that_cannot_be_followed_is_an_error() -> None:
+    """Fits jump where eigenvalues cross: the solution slides along the jump for ever."""
+    path = (np.array([0.0, 5e3]), np.stack([FLOWS["planar"]] * 2))
+    with pytest.raises(ConvergenceError, match="closure ORF: the interval from t = 0 s"):
+        follow_orientation(FolgarTucker(XI, 1e-3), CLOSURES["ORF"], path, isotropic())
