@@ -14,8 +14,13 @@ from fibermelt.study.parameters import declarations, flatten, quantity
 from fibermelt.study.toml import defaults_toml, resolved_toml, toml_value
 
 PAPER = load_study("paper").config
-AS_BY_DEFAULT = PAPER.model_copy(update={"study": resolve({}).study})
-"""The paper's study with the parts that a study has by default."""
+AS_BY_DEFAULT = PAPER.model_copy(
+    update={
+        "study": resolve({}).study,
+        "interaction": PAPER.interaction.model_copy(update={"convention": "standard"}),
+    }
+)
+"""The paper's study with the parts and the convention that a study has by default."""
 EVERY = list(declarations(Config))
 
 
@@ -50,6 +55,12 @@ def test_a_study_starts_from_a_preset(tmp_path):
     path = study(tmp_path, 'preset = "paper"\n[flow]\ngap = "3.5 mm"\n')
     assert load_study(path).config.flow.gap == 0.0035
     assert load_study(path).config.melt == PAPER.melt
+
+
+def test_a_preset_does_not_say_what_is_computed(tmp_path):
+    assert load_study(study(tmp_path, 'preset = "paper"')).config.study.parts == ("bead",)
+    assert "orbits" in load_study("sensitivity").config.study.parts
+    assert "bead" not in load_study("sensitivity").config.study.parts
 
 
 @pytest.mark.parametrize(
@@ -163,7 +174,7 @@ ONE_LINE = [
     ),
     (
         '[study]\nparts = ["beat"]',
-        r'^study\.parts = \["beat"\]: each must be "bead" or "orbits" or',
+        r'^study\.parts = \["beat"\]: each must be "bead" or "orientation" or',
     ),
     ('[study]\nparts = "bead"', r'^study\.parts = "bead": must be a list, such as \["bead"\]$'),
     ("[study]\nparts = []", r'^study\.parts = \[\]: name at least one, such as \["bead"\]$'),
@@ -219,7 +230,7 @@ def test_the_range_of_a_parameter_is_its_tightest():
 
 def test_a_byte_order_mark_is_no_fault(tmp_path):
     (tmp_path / "study.toml").write_bytes(b'\xef\xbb\xbfpreset = "paper"\n')
-    assert load_study(str(tmp_path / "study.toml")).config == PAPER
+    assert load_study(str(tmp_path / "study.toml")).config.interaction == PAPER.interaction
 
 
 def test_a_shipped_study_wins_over_a_folder_of_its_name(tmp_path, monkeypatch):

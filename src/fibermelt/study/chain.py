@@ -125,6 +125,6 @@ CHAIN = Chain(
         Part("voids", ("voids",), summarize_voids, voids_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
-    version=1,
+    version=2,
 )
 """What `fibermelt run` goes through, as far as a study asks for it."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.study.quantities import NotStoredError, Quantity
 from fibermelt.study.quantities_bead import BEAD
+from fibermelt.study.quantities_fiber import FIBER
 from fibermelt.study.quantities_voids import VOIDS
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Claim", "Judgement", "claims", "claims_in_words", "judge", "summarize_claims"]
 
-QUANTITIES: Mapping[str, Quantity] = {**BEAD, **VOIDS}
+QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
 """What claims are judged by, by name."""
 
 Verdict = Literal["holds", "differs", "cannot be judged"]

@@ -20,6 +20,9 @@ from fibermelt.study.parameters import excerpt
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
+OWN_TABLES = ("study", "sweep")
+"""Tables that a study does not take from its preset."""
+
 _LONGEST_PATH = 200
 _DEEPEST_KEY = 10
 """Parts of an overriding key that are read; no parameter has more than two."""
@@ -86,7 +89,9 @@ def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
                 f'preset = {excerpt(preset)}: must be the name of a shipped study, such as "paper"'
             )
             raise ConfigError(msg)
-        tables = merged(_preset(preset), tables)
+        # A preset lends its parameters; what is computed with them is the study's own to say.
+        lent = {key: table for key, table in _preset(preset).items() if key not in OWN_TABLES}
+        tables = merged(lent, tables)
         origin += f", preset {preset}"
     if overrides:
         origin += ", with " + ", ".join(overrides)
