@@ -21,7 +21,7 @@ __all__ = ["figure_window", "window_words"]
 PERCENT = 100.0
 MARKERS = "osD^vP*X"
 
-HEIGHT, LEFT, WIDE = 74.0, (14.0, 109.0), 78.0
+HEIGHT, LEFT, WIDE = 68.0, (14.0, 109.0), 78.0
 """Of the figure, and where its two charts stand [mm]."""
 
 
@@ -38,7 +38,7 @@ def figure_window(collected: xr.Dataset) -> Figure:
     names = ("a  worst place, worst direction of a fiber", "b  median fiber, mean by flux")
     moistures = critical_moistures(collected)
     for k, (name, moisture) in enumerate(zip(names, moistures, strict=True)):
-        axes = add_axes(figure, LEFT[k], 10, WIDE, HEIGHT - 23)
+        axes = add_axes(figure, LEFT[k], 10, WIDE, HEIGHT - 17)
         _lines(axes, collected, PERCENT * moisture)
         letter(axes, name)
         axes.set_xlabel("print speed [mm/s]")

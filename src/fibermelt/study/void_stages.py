@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 
 __all__ = ["VOID_PARAMETERS", "assess_bead", "voids_stage"]
 
+DECADE = 1.0
+"""How far the threshold must be below the rate without a barrier, in decades: nearer, a melt so
+dry reaches it only where nothing holds it back, and no surface decides."""
+
 VOID_PARAMETERS = ("voids", "melt.viscosity")
 
 
@@ -148,7 +152,7 @@ def _onset(melt: MoistMelt, found: Assessment) -> dict[str, Any]:
     """Return what classical nucleation says, as far as the card and the moisture allow."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.voids import assess_onset, critical_radius  # noqa: PLC0415
+    from fibermelt.voids import critical_radius  # noqa: PLC0415
 
     laws, temperature = melt.card.melt, melt.temperature
     nothing = np.full(found.margin.shape, np.nan)
@@ -173,10 +177,11 @@ def _onset(melt: MoistMelt, found: Assessment) -> dict[str, Any]:
         onset["void_residence_margin"] = _none(residence.margin(radius, found.time_below))
     if melt.moisture > 0.0:
         nucleation = laws.nucleation(melt.moisture, temperature)
-        told = assess_onset(found, nucleation, None, melt.log10_threshold)
-        onset["void_log10_rate"] = _none(told.log10_rate)
-        onset["void_required_wetting"] = told.required_wetting_factor
-        onset["void_required_angle"] = told.required_contact_angle
+        onset["void_log10_rate"] = _none(nucleation.log10_rate(found.deficit))
+        if melt.log10_threshold < nucleation.log10_prefactor - DECADE:
+            told = found.deficit, melt.log10_threshold
+            onset["void_required_wetting"] = nucleation.required_wetting_factor(*told)
+            onset["void_required_angle"] = nucleation.required_contact_angle(*told)
     return onset
 
 

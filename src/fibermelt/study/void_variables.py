@@ -80,13 +80,13 @@ VOID_VARIABLES: Mapping[str, tuple[str, str, str]] = {
         _LINE,
         "1",
         "wetting factor S at which nucleation starts, zero where no bubble can grow; NaN where "
-        "the card or a dry melt gives none",
+        "the card gives none or the melt is too dry for the threshold",
     ),
     "void_required_angle": (
         _LINE,
         "rad",
         "contact angle through the melt at which nucleation starts, pi where no bubble can grow; "
-        "NaN where the card or a dry melt gives none",
+        "NaN where the card gives none or the melt is too dry for the threshold",
     ),
     "void_moisture_limit": (
         _LINE,

@@ -80,7 +80,8 @@ def drying_advice(collected: xr.Dataset) -> str:
             f"{100 * median[easiest]:.2g} % at {speeds[easiest[0]]:.3g} mm/s and a gap of "
             f"{gaps[easiest[1]]:.3g} mm."
         )
-    hopeless = sorted({float(speeds[k]) for k in np.nonzero(np.any(worst <= 0.0, axis=1))[0]})
+    lost = ~np.any(worst > 0.0, axis=1) & np.any(~np.isnan(worst), axis=1)
+    hopeless = sorted(float(speed) for speed in speeds[lost])
     beyond = f"; from {hopeless[0]:.3g} mm/s on, drying alone does not do" if hopeless else ""
     return (
         f"Dry below {100 * worst[best]:.2g} % and print at {at} to keep every fiber free of "
