@@ -21,15 +21,24 @@ if TYPE_CHECKING:
     from fibermelt.fiber.cell import solve_cell
     from fibermelt.fiber.extremes import extremes, statistics
     from fibermelt.fiber.jeffery import unbounded_ellipse
+    from fibermelt.fiber.models import unbounded_model
     from fibermelt.fiber.motion import follow, isotropic_angles, paper_angles
+    from fibermelt.fiber.orbit import orbit
     from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.pressure import pressure_bounds, surface_pressure
     from fibermelt.fiber.shape import Ellipse
+    from fibermelt.fiber.stall import stall_curve
+    from fibermelt.fiber.tumbling import tumble
     from fibermelt.flow.deposition import solve_deposition
     from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
     from fibermelt.flow.streamlines import trace_streamlines
     from fibermelt.flow.vtu import write_vtu
     from fibermelt.history import FlowHistory, simple_shear
+    from fibermelt.orientation.closures import closure
+    from fibermelt.orientation.evolve import follow_orientation
+    from fibermelt.orientation.fokker_planck import steady_distribution
+    from fibermelt.orientation.models import FolgarTucker
+    from fibermelt.orientation.steady import steady_state
     from fibermelt.rheology.newtonian import Newtonian
 
 __version__ = "0.1.0"
@@ -52,6 +61,15 @@ _HOMES = {
     "pressure_bounds": "fiber.pressure",
     "surface_pressure": "fiber.pressure",
     "Ellipse": "fiber.shape",
+    "orbit": "fiber.orbit",
+    "stall_curve": "fiber.stall",
+    "tumble": "fiber.tumbling",
+    "unbounded_model": "fiber.models",
+    "closure": "orientation.closures",
+    "follow_orientation": "orientation.evolve",
+    "steady_distribution": "orientation.fokker_planck",
+    "FolgarTucker": "orientation.models",
+    "steady_state": "orientation.steady",
     "solve_deposition": "flow.deposition",
     "Deposition": "flow.problem",
     "FlowNumerics": "flow.problem",
@@ -72,24 +90,33 @@ __all__ = [
     "FibermeltError",
     "FlowHistory",
     "FlowNumerics",
+    "FolgarTucker",
     "HistoryError",
     "MeshError",
     "Newtonian",
     "Nozzle",
     "PathBundle",
     "StoreError",
+    "closure",
     "extremes",
     "follow",
+    "follow_orientation",
     "isotropic_angles",
+    "orbit",
     "paper_angles",
     "pressure_bounds",
     "simple_shear",
     "solve_cell",
     "solve_deposition",
+    "stall_curve",
     "statistics",
+    "steady_distribution",
+    "steady_state",
     "surface_pressure",
     "trace_streamlines",
+    "tumble",
     "unbounded_ellipse",
+    "unbounded_model",
     "write_vtu",
 ]
 

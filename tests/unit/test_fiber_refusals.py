@@ -34,6 +34,7 @@ ELLIPSE = Ellipse(1.0, 6.0)
 SPHEROID = unbounded_spheroid(Spheroid(1.0, 6.0))
 ELLIPSOID = unbounded_ellipsoid(Ellipsoid((3.0, 2.0, 1.0)))
 PLANE = unbounded_ellipse(ELLIPSE)
+INSTANTS = np.linspace(0.0, 1.0, 3)
 HISTORY = simple_shear(1.0, 1.0, 5)
 MOTION = follow(HISTORY, 0.9, np.array([0.3]))
 
@@ -141,6 +142,12 @@ NUMBERS: dict[str, tuple[Call, str]] = {
     "orbit rate": (lambda x: fiber.orbit(PLANE, x, 817.0), "shear_rate"),
     "orbit viscosity": (lambda x: fiber.orbit(PLANE, 1.0, x), "viscosity"),
     "orbit angle": (lambda x: fiber.orbit(PLANE, 1.0, 817.0, x), "angle"),
+    "tumble rate": (lambda x: fiber.tumble(PLANE, x, 817.0, INSTANTS), "shear_rate"),
+    "tumble viscosity": (lambda x: fiber.tumble(PLANE, 1.0, x, INSTANTS), "viscosity"),
+    "tumble angle": (lambda x: fiber.tumble(PLANE, 1.0, 817.0, INSTANTS, x), "angle"),
+    "turn_times rate": (lambda x: fiber.turn_times(0.9, x, 9), "shear_rate"),
+    "turned_angle rate": (lambda x: fiber.turned_angle(0.9, x, INSTANTS), "shear_rate"),
+    "turned_angle angle": (lambda x: fiber.turned_angle(0.9, 1.0, INSTANTS, x), "angle"),
     "surface_pressure": (
         lambda x: fiber.surface_pressure(HISTORY, PLANE, x, MOTION),
         "melt.viscosity",
@@ -258,6 +265,7 @@ ASKED = {"gradient", "direction", "directions", "aspect_ratio", "shear_rate", "a
 def test_the_list_is_complete(name: str) -> None:
     """Whatever takes one of these is refused something above, or is what comes out of a stage."""
     results = {"EllipseField", "SpheroidResponse", "Motion", "DirectorMotion", "NewtonMotion"}
+    results |= {"Tumbling"}
     results |= {"Extremes"}  # plain values with these names: nothing asks for them
     cells = {"orbit_newton"}  # needs a cell: see the verification tests
     if name in results | cells or inspect.isabstract(getattr(fiber, name)):

@@ -77,6 +77,9 @@ from fibermelt.fiber.spheroid import (
     embed_planar,
     unbounded_spheroid,
 )
+from fibermelt.fiber.stall import paper_stall_angle, stall_curve
+from fibermelt.fiber.stall_data import StallCurve
+from fibermelt.fiber.tumbling import Tumbling, tumble, turn_times, turned_angle
 
 if TYPE_CHECKING:
     from fibermelt.fiber.cell import build_system, solve_cell
@@ -105,8 +108,10 @@ __all__ = [
     "PressureBounds",
     "Spheroid",
     "SpheroidResponse",
+    "StallCurve",
     "SurfaceExtremes",
     "SurfacePressure",
+    "Tumbling",
     "angle_to_stream",
     "angle_to_stream_at",
     "body_axes",
@@ -138,11 +143,16 @@ __all__ = [
     "orbit_newton",
     "orbit_phase",
     "paper_angles",
+    "paper_stall_angle",
     "planar_directions",
     "pressure_bounds",
     "solve_cell",
+    "stall_curve",
     "statistics",
     "surface_pressure",
+    "tumble",
+    "turn_times",
+    "turned_angle",
     "unbounded_ellipse",
     "unbounded_ellipsoid",
     "unbounded_model",

@@ -176,10 +176,21 @@ def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: flo
         Times since the start [s].
     angle : float
         Angle from the flow direction at the start [rad].
+
+    Raises
+    ------
+    ConfigError
+        If the shear rate is not positive, the angle not finite, or the shape factor not above -1.
     """
+    rate, _, start = checked_shear(shear_rate, 1.0, angle)
+    if not shape_factor > -1.0:
+        msg = (
+            f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
+        )
+        raise ConfigError(msg)
     if shape_factor < 1.0:
-        return jeffery_angle(time, shear_rate, _turning_ratio(shape_factor), angle)
-    return _stalling_angle(time, shear_rate, shape_factor, angle)
+        return jeffery_angle(time, rate, _turning_ratio(shape_factor), start)
+    return _stalling_angle(time, rate, shape_factor, start)
 
 
 def _turning_ratio(shape_factor: float) -> float:
