@@ -50,7 +50,7 @@ def fibermelt(*arguments, folder):
 def finished(tmp_path_factory):
     """A finished coarse study of a bead, its voids included."""
     folder = tmp_path_factory.mktemp("voids")
-    parts = 'study.parts=["bead", "voids", "claims"]'
+    parts = 'study.parts=["bead", "orientation", "voids", "claims"]'
     done = fibermelt("run", COARSE, "-s", parts, "--json", "--out", "out", folder=folder)
     assert done.returncode == 0, done.stderr
     return folder, json.loads(done.stdout)
@@ -79,6 +79,7 @@ def test_the_answer_is_that_of_the_run_and_leaves_it_alone(finished):
     assert len(answer["streamlines"]) == 4
     assert all(set(line) >= ON_LINE for line in answer["streamlines"])
     assert answer == summary["voids"]
+    assert "oriented tips" in answer["by_basis"]
     assert {path: path.stat().st_mtime_ns for path in (folder / "out").rglob("*")} == before
 
 

@@ -11,6 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
+from fibermelt.study.chain import CHAIN
 from fibermelt.study.claims import claims, judge
 from fibermelt.study.config import Config
 from fibermelt.study.materials import material_names
@@ -163,6 +165,32 @@ def test_the_spheroid_stands_beside_the_ellipse():
     found = assessed(results)
     expected = ATMOSPHERE - 5.0 * 817.0 * 2.0
     assert of(found, "void_lowest_pressure", "spheroid") == pytest.approx([expected] * 2, rel=1e-9)
+
+
+def test_the_mean_over_an_orientation_tensor_is_that_of_its_fibers():
+    """Against spheroids one by one, in directions whose second moment is the tensor."""
+    rng = np.random.default_rng(7)
+    rate = np.array([[3.0, 8.0], [-2.0, -3.0]])
+    directions = rng.normal(size=(50, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    tensor = np.einsum("ni,nj->ij", directions, directions) / 50
+    results = bead(gradient=rate)
+    results["orientation"] = (
+        ("streamline", "point", "axis", "other_axis"),
+        np.broadcast_to(tensor, (2, 5, 3, 3)),
+    )
+    melt = moist_melt(**ABS_AT, moisture=0.001)
+    found = assess_bead(dict.fromkeys((*STAGES, "orientation"), results), 817.0, melt, 2)
+    spheroid = unbounded_spheroid(Spheroid(1.0, float(results["aspect_ratio"])))
+    tips = spheroid.tip(embed_planar(np.broadcast_to(rate, (50, 2, 2))), directions)
+    mean = ATMOSPHERE + 817.0 * tips.mean()
+    assert of(found, "void_lowest_pressure", "oriented tips") == pytest.approx([mean] * 2)
+
+
+def test_voids_are_fed_orientation_where_the_study_has_it():
+    stage = next(stage for stage in CHAIN.stages if stage.name == "voids")
+    for parts, fed in ((("voids",), False), (("voids", "orientation"), True)):
+        assert ("orientation" in stage.fed({"study.parts": parts})) == fed
 
 
 @given(count=st.integers(1, 30), layers=st.integers(2, 30))

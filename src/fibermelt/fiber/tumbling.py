@@ -184,9 +184,7 @@ def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: flo
     """
     rate, _, start = checked_shear(shear_rate, 1.0, angle)
     if not shape_factor > -1.0:
-        msg = (
-            f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
-        )
+        msg = f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
         raise ConfigError(msg)
     if shape_factor < 1.0:
         return jeffery_angle(time, rate, _turning_ratio(shape_factor), start)

@@ -27,6 +27,7 @@ from fibermelt.report.style import (
     ATMOSPHERE,
     BAND,
     BLUE,
+    GREEN,
     GREY,
     INK,
     LOW,
@@ -61,8 +62,9 @@ CURVES = (
     (MEDIAN, "median fiber, isotropic start", ORANGE),
     ("bounds", "any direction", LOW),
     ("spheroid", "spheroid in space, any direction", PINK),
+    ("oriented tips", "tips of spheroids as they lie, mean", GREEN),
 )
-"""Bases that the profile shows, what they are called, and their colours."""
+"""Bases that the profile shows if there are any, what they are called, and their colours."""
 
 
 @styled
@@ -138,7 +140,8 @@ def _edges(results: xr.Dataset) -> Array:
 def _profile(axes: Axes, results: xr.Dataset) -> None:
     """Draw the lowest pressure by layer; thin where singular streamlines are counted too."""
     edges = _edges(results)
-    for basis, name, color in CURVES:
+    known = {str(label) for label in results["void_basis"].to_numpy()}
+    for basis, name, color in (curve for curve in CURVES if curve[0] in known):
         for selection, width in (("regular", 1.5), ("all", 0.6)):
             layers = MPA * _of_selected(results, "void_layer_mean_pressure", selection, basis)
             label = name if selection == "regular" else None

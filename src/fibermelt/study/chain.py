@@ -33,7 +33,7 @@ from fibermelt.study.sensitivity_summary import (
 )
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
-from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage
+from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage, with_orientation
 from fibermelt.study.void_summary import summarize_voids, voids_in_words
 
 if TYPE_CHECKING:
@@ -95,8 +95,15 @@ CHAIN = Chain(
             motion_stage,
             inputs_if=_from_content,
         ),
-        Stage("voids", 1, VOID_PARAMETERS, ("streamlines", "cell", "motion"), voids_stage),
         Stage("orientation", 1, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage(
+            "voids",
+            1,
+            VOID_PARAMETERS,
+            ("streamlines", "cell", "motion"),
+            voids_stage,
+            inputs_if=with_orientation,
+        ),
         Stage(
             "interaction",
             1,

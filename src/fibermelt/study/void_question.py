@@ -12,7 +12,7 @@ from fibermelt.errors import StoreError
 from fibermelt.study.finished import finished_results
 from fibermelt.study.void_config import Voids
 from fibermelt.study.void_melt import FROM_CARD, MoistMelt, moist_melt
-from fibermelt.study.void_stages import assess_bead
+from fibermelt.study.void_stages import assess_bead, with_orientation
 from fibermelt.study.void_summary import summarize_voids
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
     usual = Voids.model_validate(study.get("voids", {}))
     melt = _asked(question, usual)
     viscosity = study["melt"]["viscosity"]
-    found = assess_bead(dict.fromkeys(STAGES, results), viscosity, melt, usual.layers)
+    fed = STAGES + with_orientation({"study.parts": tuple(study["study"]["parts"])})
+    found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
     return _summary(found, results)
 
 

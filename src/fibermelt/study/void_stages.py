@@ -5,7 +5,8 @@ What computes is imported when the stage runs, so that a study that is stored co
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
@@ -15,18 +16,29 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from fibermelt.fiber import SpheroidResponse
+    from fibermelt.study.parameters import Value
     from fibermelt.study.void_melt import MoistMelt
     from fibermelt.voids import Assessment
 
     Array = NDArray[np.float64]
 
-__all__ = ["VOID_PARAMETERS", "assess_bead", "voids_stage"]
+__all__ = ["ORIENTED", "VOID_PARAMETERS", "assess_bead", "voids_stage", "with_orientation"]
 
 DECADE = 1.0
 """How far the threshold must be below the rate without a barrier, in decades: nearer, a melt so
 dry reaches it only where nothing holds it back, and no surface decides."""
 
 VOID_PARAMETERS = ("voids", "melt.viscosity")
+
+
+ORIENTED = "oriented tips"
+"""Basis of the mean over a distribution of orientations, where the study has one."""
+
+
+def with_orientation(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return the stage that voids are fed besides, in a study with orientation tensors."""
+    return ("orientation",) if "orientation" in cast("Sequence[str]", values["study.parts"]) else ()
 
 
 def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -46,8 +58,8 @@ def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) 
     Parameters
     ----------
     inputs : mapping
-        The data of the stages ``streamlines``, ``cell`` and ``motion``; or for each of them the
-        results that hold all three.
+        The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
+        there are any; or for each of them the results that hold them all.
     viscosity : float
         Of the melt, for the spheroid [Pa s].
     melt : MoistMelt
@@ -118,8 +130,33 @@ def _local_pressures(inputs: Inputs, viscosity: float) -> tuple[list[str], Array
         "bounds": motion["bound_lowest"].to_numpy(),
         "spheroid": viscosity * in_space,
     }
+    if "orientation" in inputs:
+        tensor = inputs["orientation"]["orientation"].to_numpy()
+        gradient = lines["gradient"].to_numpy()
+        below[ORIENTED] = viscosity * _mean_at_tips(spheroid, gradient, tensor)
     own = lines["pressure"].to_numpy()[:, None, :]
     return list(below), own + np.stack(list(below.values()), axis=1)
+
+
+def _mean_at_tips(spheroid: SpheroidResponse, gradient: Array, tensor: Array) -> Array:
+    """Return the mean pressure over viscosity [1/s] at the tips of spheroids, (...).
+
+    The pressure at a tip is ``mu (c_o - c_a) p.D.p``: linear in ``p p``, so its mean over any
+    distribution is ``mu (c_o - c_a) D:a`` with the second moment ``a``, exactly.
+
+    Parameters
+    ----------
+    spheroid : SpheroidResponse
+        Its response.
+    gradient : (..., 2, 2) array
+        Velocity gradients [1/s].
+    tensor : (..., 3, 3) array
+        Orientation tensors.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    stretch = np.einsum("...ij,...ij->...", gradient, tensor[..., :2, :2])
+    return np.asarray((spheroid.offset - spheroid.axial) * stretch)
 
 
 def _on_fibers(lines: xr.Dataset, motion: xr.Dataset) -> Array:
