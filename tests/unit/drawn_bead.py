@@ -24,7 +24,18 @@ CAPILLARY, BEAD = (-3, 3, 6, 24), (-4, 24, 0, 6)
 AREA = 1e6 * STEP**2 * (6 * 18 + 28 * 6)
 """Of the L [mm2]."""
 
-SPEED, ASPECT, RADIUS = 0.1, 4.0, 2.0
+SPEED, ASPECT, RADIUS, SHEAR = 0.1, 4.0, 2.0, 20.0
+CONFIG = """
+[melt]
+viscosity = 800.0
+
+[fiber]
+half_length = 4e-5
+
+[streamlines]
+features = [4, 10, 18]
+"""
+
 LEVELS = np.array([0.05, 0.5, 0.95])
 
 
@@ -34,7 +45,7 @@ def made_up(count: int = 22, angles: int = 5, points: int = 120) -> xr.Dataset:
     bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell())
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
-    return bead.merge(assess_bead(stages, 817.0, melt, layers=6))
+    return bead.merge(assess_bead(stages, 817.0, melt, layers=6)).assign_attrs(config=CONFIG)
 
 
 def _flow() -> dict[str, Any]:
@@ -106,9 +117,18 @@ def _streamlines(count: int, points: int) -> dict[str, Any]:
     }
 
 
+def sheared(start: Array, time: Array) -> Array:
+    """Return the angles of fibers that are all sheared alike: ``p ~ [[1, SHEAR t], [0, 1]] p0``."""
+    return np.arctan2(np.sin(start), np.cos(start) + np.sin(start) * SHEAR * time)
+
+
 def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
     """Return pressures in proportion to the rate of deformation, by initial angle."""
     start = np.linspace(-np.pi / 2, np.pi / 2, angles)
+    zone_time, time = lines["zone_time"], lines["time"]
+    angle = sheared(start[:, None], time[:, None, :])
+    straight = np.where(zone_time < 9.5e-3 / SPEED, -0.5 * np.pi, 0.0)
+    relative = sheared(start[:, None], zone_time[:, None, :]) - straight[:, None, :]
     bound = 8e3 * lines["shear_rate"]
     share = 0.3 + 0.6 * np.cos(start)[:, None] ** 2
     high = share * bound[:, None, :]
@@ -130,6 +150,8 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
         "location": np.array([1, 2]),
         "kind": np.array(["min", "max"]),
         "quantile": LEVELS,
+        "angle": angle,
+        "zone_angle": np.arctan(np.tan(relative)),
         "lowest": -high,
         "highest": high,
         "bound_lowest": -bound,
@@ -155,17 +177,20 @@ def _cell() -> dict[str, Any]:
     here, out = number[:, :-1].ravel(), number[:, 1:].ravel()
     beside, across = (np.roll(n, -1, axis=0).ravel() for n in (number[:, :-1], number[:, 1:]))
     modes = -8.0 * np.stack([np.cos(2 * s), np.sin(2 * s)], axis=-1)
+    x, y = (wide * np.cos(s)).ravel(), (high * np.sin(s)).ravel()
+    far = (np.column_stack([x, -y]), np.column_stack([y, x]))
     edge = 2 * np.pi * np.arange(64) / 64
     basis = -8.0 * np.column_stack([np.cos(2 * edge), np.sin(2 * edge)])
     return {
         "aspect_ratio": ASPECT,
         "domain_size": 2 * RADIUS,
         "cell_unknowns": 321,
-        "cell_point": np.stack([wide * np.cos(s), high * np.sin(s)], -1).reshape(-1, 2),
+        "cell_point": np.column_stack([x, y]),
         "cell_triangle": np.vstack(
             [np.column_stack([here, out, across]), np.column_stack([here, across, beside])]
         ),
         "cell_edge": number,
+        "cell_velocity": np.stack([mode * r.ravel()[:, None] for mode in far], axis=1),
         "cell_pressure": (modes * (1 - r)[..., None]).reshape(-1, 2),
         "surface_angle": edge,
         "surface_basis": basis,

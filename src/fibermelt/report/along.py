@@ -19,6 +19,8 @@ from fibermelt.report.style import (
     Array,
     Words,
     add_axes,
+    key_above,
+    key_mark,
     letter,
     new_figure,
     styled,
@@ -49,13 +51,7 @@ def figure_along(results: xr.Dataset) -> Figure:
     lower.set_xlabel("time since the inlet [s]")
     letter(upper, "a  speed", inside=True)
     letter(lower, "b  rate of deformation", inside=True)
-    upper.legend(
-        handles=_key(results),
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.02),
-        ncols=4,
-        columnspacing=2.0,
-    )
+    key_above(upper, _key(results), 1.02, columns=4, between=2.0)
     return figure
 
 
@@ -89,22 +85,14 @@ def _key(results: xr.Dataset) -> list[Line2D]:
         for feature in features(results)
     ]
     zones = [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker=mark,
-            markersize=4.5,
-            markerfacecolor="white",
-            markeredgecolor=INK,
-            label=f"zone {zone + 1}, {ZONES[zone]}",
-        )
+        key_mark(mark, f"zone {zone + 1}, {ZONES[zone]}", INK, 4.5, face="white")
         for zone, mark in enumerate(MARKS)
     ]
     others = Line2D([], [], color=OTHERS, linewidth=0.6, label="other streamlines")
     empty = Line2D([], [], linestyle="none", label=" ")
-    columns = [*zip(lines, zones, strict=False)]
-    return [handle for pair in columns for handle in pair] + [others, empty]
+    filled = [*lines, *[empty] * (len(zones) - len(lines))]
+    columns = [handle for pair in zip(filled, zones, strict=False) for handle in pair]
+    return [*columns, others, empty, *lines[len(zones) :]]
 
 
 def along_words(results: xr.Dataset) -> Words:
@@ -118,8 +106,8 @@ def along_words(results: xr.Dataset) -> Words:
     )
     return Words(
         caption=(
-            "What the melt meets on its way: (a) speed and (b) scalar rate of deformation "
-            "along all streamlines against the time since the inlet. Marks: zones 1 to 3 on the "
+            "Fig. 3 of the paper: (a) speed and (b) scalar rate of deformation that the melt meets "
+            "along all streamlines, against the time since the inlet. Marks: zones 1 to 3 on the "
             f"marked streamlines. The slowest line goes on to {end.max():.2f} s, off the scale."
         ),
         alt=(

@@ -26,14 +26,13 @@ from fibermelt.report.style import (
     round_up,
     styled,
 )
+from fibermelt.report.surroundings import FIBER
 from fibermelt.report.turns import COLUMN, KPA, cell_name
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["around_words", "figure_around"]
-
-FIBER = "#f4ead2"
 
 LEVELS = np.array([0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.65, 1.0])
 """Isobars over the pressure scale's end: closer where it is low, as it is in most of the melt."""

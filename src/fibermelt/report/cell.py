@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch, Polygon, Rectangle
-from matplotlib.tri import Triangulation, TriContourSet
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.tri import TriContourSet
 
 from fibermelt.report.drawing import curves, frame, scene_axes
 from fibermelt.report.scene import Window
@@ -28,6 +27,7 @@ from fibermelt.report.style import (
     round_up,
     styled,
 )
+from fibermelt.report.surroundings import LEVELS, draw_contours, draw_fiber, net, rotation
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,13 +38,8 @@ TIP, TIP_BOUNDS = 4.0, (0.04, 0.6)
 """Half the width of the tip's close-up over its radius of curvature, and over the half-length."""
 
 MESH = "#5f86ad"
-FIBER = "#f4ead2"
-
 ORIENTATIONS = 3601
 """Orientations among which the lowest pressure is sought, every twentieth of a degree."""
-
-LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
-"""Isobars over the pressure scale's end: closer where it is low, as it is in most of the cell."""
 
 STRAIGHT = 1e-5
 """Edges that bend less than this, over the half-length, are drawn straight."""
@@ -107,7 +102,7 @@ def figure_cell(results: xr.Dataset) -> Figure:
 
     field = scene_axes(figure, 67, 4, 61, whole)
     place = np.array([np.cos(found.where), np.sin(found.where) * depth**0.5])
-    turned = _square(place @ _rotation(found.angle).T, half)
+    turned = _square(place @ rotation(found.angle).T, half)
     deep = scene_axes(figure, 134, 4, 28, turned)
     for axes in (field, deep):
         mappable = _pressure(axes, results, found)
@@ -139,44 +134,21 @@ def _square(center: Array, half: float) -> Window:
     return Window(x - half, x + half, y - half, y + half)
 
 
-def _rotation(angle: float) -> Array:
-    """Return the matrix that turns the fiber's axes to the flow's."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin], [sin, cos]])
-
-
-def _fiber(axes: Axes, results: xr.Dataset, angle: float = 0.0) -> None:
-    """Draw the fiber itself."""
-    s = results["surface_angle"].to_numpy()
-    rim = np.stack([np.cos(s), np.sin(s) / float(results["aspect_ratio"])], axis=-1)
-    axes.add_patch(
-        Polygon(rim @ _rotation(angle).T, facecolor=FIBER, edgecolor=INK, linewidth=0.8, zorder=4)
-    )
-
-
 def _mesh(axes: Axes, results: xr.Dataset, linewidth: float) -> None:
     """Draw the curved elements by their edges, in the fiber's axes."""
     edges = curves(results["cell_point"].to_numpy(), results["cell_edge"].to_numpy(), STRAIGHT)
     axes.add_artist(
         PathPatch(edges, facecolor="none", edgecolor=MESH, linewidth=linewidth, zorder=2)
     )
-    _fiber(axes, results)
+    draw_fiber(axes, results)
 
 
 def _pressure(axes: Axes, results: xr.Dataset, found: Deepest) -> TriContourSet:
     """Draw the pressure in the flow's axes, the fiber at the orientation found."""
-    points = results["cell_point"].to_numpy() @ _rotation(found.angle).T
-    levels = round_up(-found.pressure) * np.r_[-LEVELS[:0:-1], LEVELS]
-    field = axes.tricontourf(
-        Triangulation(points[:, 0], points[:, 1], results["cell_triangle"].to_numpy()),
-        results["cell_pressure"].to_numpy() @ found.strain,
-        levels=levels,
-        norm=BoundaryNorm(levels, 256, extend="both"),
-        cmap=ATMOSPHERE,
-        extend="both",
-        zorder=1,
-    )
-    _fiber(axes, results, found.angle)
+    levels = round_up(-found.pressure) * LEVELS
+    values = results["cell_pressure"].to_numpy() @ found.strain
+    field = draw_contours(axes, net(results, found.angle), values, levels, ATMOSPHERE)
+    draw_fiber(axes, results, found.angle)
     return field
 
 
@@ -201,18 +173,18 @@ def cell_words(results: xr.Dataset) -> Words:
     angle, where = np.degrees(found.angle), np.degrees(found.where)
     if np.isnan(size):
         cell = (
-            f"A fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
+            f"a fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
             "net it is drawn on, in the fiber's axes."
         )
     else:
         cell = (
-            f"The cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
+            f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
             f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
             "Curved elements, graded to the tip, in the fiber's axes."
         )
     return Words(
         caption=(
-            f"{cell} (b, d) Pressure less the melt's in simple "
+            f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
             f"shear with the fiber at {angle:.1f}° to the flow, the orientation with the lowest "
             f"pressure, {found.pressure:.2f} μγ̇ at the eccentric angle {where:.1f}° of the "
             "surface. Red: lower than the melt's own pressure."

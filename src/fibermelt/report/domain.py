@@ -125,9 +125,9 @@ def domain_words(results: xr.Dataset) -> Words:
     contact, heel = MM * float(results["contact_point"]), MM * float(results["heel"])
     return Words(
         caption=(
-            "Fluid domain, its boundaries and its mesh: parabolic inlet flow on Γ₁, no slip on the "
-            "nozzle's wall Γ₂, free surfaces Γ₃ whose shape is part of the answer, the speed of "
-            "the bed on Γ₄ and on the outlet Γ₅. "
+            "Fig. 2a of the paper: fluid domain, its boundaries and its mesh. Parabolic inlet flow "
+            "on Γ₁, no slip on the nozzle's wall Γ₂, free surfaces Γ₃ whose shape is part of the "
+            "answer, the speed of the bed on Γ₄ and on the outlet Γ₅. "
             f"{elements} curved triangles, {unknowns} unknowns. The upstream surface meets the "
             f"bed at x = {contact:.3f} mm, also part of the answer; the melt's foremost point "
             f"lies at x = {heel:.3f} mm. Red squares: where the flow is singular, drawn large."

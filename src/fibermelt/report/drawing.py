@@ -33,8 +33,10 @@ __all__ = [
     "main_scene",
     "mark_window",
     "paint",
+    "plain",
     "scale_bar",
     "scene_axes",
+    "zone_badge",
 ]
 
 METAL, METAL_EDGE = "#c9ced4", "#7b848d"
@@ -51,6 +53,9 @@ ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
 
 STRAIGHT = 0.02
 """An edge that bends less on paper [mm], a quarter of a line's width, is drawn straight."""
+
+OUTLINE = 2e-3
+"""The melt's filled outline is true to this [mm]: a hundredth of its line's width."""
 
 MOST_EDGES = 6000
 """A mesh of more edges than this is painted in dots inside SVG, which would grow beyond 1 MB."""
@@ -162,6 +167,30 @@ def scale_bar(axes: Axes, window: Window, *, height: float = 0.08, share: float 
     )
 
 
+def zone_badge(
+    axes: Axes,
+    zone: int,
+    at: tuple[float, float],
+    offset: tuple[float, float],
+    coords: tuple[str, str] = ("data", "data"),
+) -> None:
+    """Write the number of a zone, 1 to 3, in a dark disc at an offset in points from a place."""
+    axes.annotate(
+        str(zone),
+        at,
+        xycoords=coords,
+        xytext=offset,
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        fontsize=6.5,
+        color="white",
+        fontweight="bold",
+        zorder=7,
+        bbox={"boxstyle": "circle,pad=0.18", "facecolor": INK, "edgecolor": "none"},
+    )
+
+
 def curves(points: Array, edges: Index, straight: float) -> Path:
     """Return edges (n, k) as one path; those that bend less than ``straight`` by their ends."""
     lines = points[edges]
@@ -174,13 +203,20 @@ def curves(points: Array, edges: Index, straight: float) -> Path:
     return Path(np.vstack(pieces), np.concatenate(codes).astype(np.uint8))
 
 
+def plain(path: Path, tolerance: float) -> Path:
+    """Return a path without the points that lie closer than a tolerance to the rest's course."""
+    path.should_simplify = True
+    path.simplify_threshold = tolerance
+    return path.cleaned(simplify=True)
+
+
 def draw_metal(axes: Axes, scene: Scene) -> None:
     """Draw the nozzle's body on both sides of the melt."""
     thick = METAL_THICKNESS * float(np.ptp(scene.sides["inlet"][:, 0]))
     for name, side in (("left wall", -1), ("right wall", 1)):
         wall = scene.sides[name]
         body = np.vstack([wall, wall[::-1] + np.array([side * thick, 0.0])])
-        axes.add_patch(
+        axes.add_artist(
             Polygon(body, facecolor=METAL, edgecolor=METAL_EDGE, linewidth=0.4, zorder=0.5)
         )
 
@@ -208,7 +244,8 @@ def draw_bed_motion(axes: Axes, results: xr.Dataset, scene: Scene) -> None:
 def draw_outline(axes: Axes, scene: Scene, *, fill: bool = False) -> None:
     """Draw the melt: walls dark, free surfaces as such."""
     if fill:
-        axes.add_patch(Polygon(scene.outline, facecolor=MELT, edgecolor="none", zorder=0.7))
+        melt = plain(Path(scene.outline), OUTLINE)
+        axes.add_artist(PathPatch(melt, facecolor=MELT, edgecolor="none", zorder=0.7))
     for name, line in scene.sides.items():
         wall = name.endswith("wall")
         color = INK if wall or name.endswith("surface") else GREY

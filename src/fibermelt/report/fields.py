@@ -19,7 +19,7 @@ from fibermelt.report.drawing import (
     scale_bar,
     scene_axes,
 )
-from fibermelt.report.scene import MM, Scene, Window, by_area, read_scene
+from fibermelt.report.scene import MM, MPA, Scene, Window, by_area, read_scene
 from fibermelt.report.style import (
     ATMOSPHERE,
     DIVERGING,
@@ -44,9 +44,6 @@ __all__ = ["figure_gradients", "figure_maps", "gradients_words", "maps_words"]
 SHARE = 0.98
 """Share of the drawn area whose values lie within a colour scale: the rest is near a corner, where
 the flow is singular and no scale would hold it."""
-
-MPA = 1e-6
-"""Megapascals in a pascal."""
 
 BELOW = 0.25
 """The map of the melt's pressure goes this far below the atmosphere's, in parts of how far above:
@@ -195,9 +192,9 @@ def gradients_words(results: xr.Dataset) -> Words:
     normal, shear = _gradient_limits(results, read_scene(results))
     return Words(
         caption=(
-            "Components of the velocity gradient near the nozzle's exit. Scales are symmetric and "
-            f"shared: ±{normal:g} 1/s for (a) and (d), which sum to zero, ±{shear:g} 1/s for (b) "
-            f"and (c). In each panel at least {100 * SHARE:.0f} % of the area shown lies within; "
+            "Fig. 4 of the paper: velocity gradient near the nozzle's exit. Scales are symmetric "
+            f"and shared: ±{normal:g} 1/s for (a) and (d), which sum to zero, ±{shear:g} 1/s for "
+            f"(b) and (c). At least {100 * SHARE:.0f} % of the area in each panel lies within; "
             "the rest is painted in the scale's last colours: at the lips and at the contact point "
             "the gradient is singular, and what is computed there depends on the mesh."
         ),

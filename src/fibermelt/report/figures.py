@@ -9,13 +9,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fibermelt.report.alignment import alignment_words, figure_alignment
 from fibermelt.report.along import along_words, figure_along
 from fibermelt.report.cell import cell_words, figure_cell
 from fibermelt.report.domain import domain_words, figure_domain
+from fibermelt.report.extremes import extremes_words, figure_extremes
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.overview import figure_overview, overview_words
 from fibermelt.report.plates import Plate
+from fibermelt.report.positions import figure_positions, positions_words
+from fibermelt.report.profiles import figure_profiles, profiles_words
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
 from fibermelt.report.style import save
@@ -29,13 +33,59 @@ __all__ = ["FIGURES", "draw_figures"]
 
 FIGURES = (
     Plate("overview", "The bead at a glance", figure_overview, overview_words),
-    Plate("domain", "Fluid domain and mesh", figure_domain, domain_words),
-    Plate("streamlines", "Streamlines", figure_streamlines, streamlines_words),
-    Plate("along", "Speed and deformation along streamlines", figure_along, along_words),
+    Plate("domain", "Fluid domain and mesh", figure_domain, domain_words, paper="Fig. 2a"),
+    Plate("streamlines", "Streamlines", figure_streamlines, streamlines_words, paper="Fig. 2b"),
+    Plate(
+        "along",
+        "Speed and deformation along streamlines",
+        figure_along,
+        along_words,
+        paper="Fig. 3",
+    ),
     Plate("maps", "Speed, rate of deformation and pressure", figure_maps, maps_words),
-    Plate("gradients", "Velocity gradient near the exit", figure_gradients, gradients_words),
-    Plate("cell", "The fiber's cell", figure_cell, cell_words),
-    Plate("history", "Pressure on fibers along a streamline", figure_history, history_words),
+    Plate(
+        "gradients",
+        "Velocity gradient near the exit",
+        figure_gradients,
+        gradients_words,
+        paper="Fig. 4",
+    ),
+    Plate("cell", "The fiber's cell", figure_cell, cell_words, paper="Fig. 5a and 6a"),
+    Plate(
+        "history",
+        "Pressure on a fiber along a streamline",
+        figure_history,
+        history_words,
+        paper="Fig. 16",
+    ),
+    Plate(
+        "profiles",
+        "Pressure and orientation over time",
+        figure_profiles,
+        profiles_words,
+        paper="Fig. 17",
+    ),
+    Plate(
+        "extremes",
+        "Extremes of pressure by streamline",
+        figure_extremes,
+        extremes_words,
+        paper="Fig. 18",
+    ),
+    Plate(
+        "positions",
+        "Where the extremes lie",
+        figure_positions,
+        positions_words,
+        paper="Fig. 19",
+    ),
+    Plate(
+        "alignment",
+        "Orientation at the zones",
+        figure_alignment,
+        alignment_words,
+        paper="Fig. 20",
+    ),
     Plate("voids", "Where voids can start", figure_voids, voids_words, needs="void_margin"),
     *ORBIT_FIGURES,
     *DIMENSION_FIGURES,

@@ -1,4 +1,4 @@
-"""The pressure that fibers make on their surfaces on the way along a streamline (Fig. 16)."""
+"""One fiber on its way, and the melt around it at its first extreme (the paper's Fig. 16)."""
 
 from __future__ import annotations
 
@@ -8,209 +8,277 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Circle, Patch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import LinearTriInterpolator
 
-from fibermelt.report.lines import ZONES, Feature, features, initial_angles
+from fibermelt.report.drawing import scene_axes
+from fibermelt.report.lines import against_paper, center_feature, study_of
+from fibermelt.report.scene import MM, MPA, Window
 from fibermelt.report.style import (
+    ATMOSPHERE,
     FULL,
     GREY,
-    HIGH,
     INK,
-    LOW,
-    Array,
+    SEQUENTIAL,
     Words,
     add_axes,
+    color_bar,
+    key_above,
+    key_mark,
+    letter,
     new_figure,
+    round_up,
     styled,
 )
+from fibermelt.report.surroundings import (
+    LEVELS,
+    Instant,
+    draw_contours,
+    draw_fiber,
+    net,
+    read_instant,
+    rotation,
+)
+from fibermelt.report.timeline import SIDES, Side, draw_bound, draw_own, mark_zones, on_fibers, span
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_history", "history_words"]
 
-MPA = 1e-6
-"""Megapascals in a pascal."""
+MICRO = 1e6
+"""Micrometres in a metre."""
 
-EDGE = 0.05
-"""Part of the time scale near its ends where a centred name would stand out of the figure."""
+STARTS: dict[Side, float] = {"lowest": 0.0, "highest": -90.0}
+"""Initial angles [degrees] of the fibers whose lowest and highest pressure the paper draws."""
+
+ROOM = (0.05, 0.14)
+"""Free parts of the pressure's scale below and above, for the name."""
 
 MARKS = ("o", "v")
 """Marks of the extremes at Loc. 1 and Loc. 2."""
 
-QUIET = 0.02
-"""The time scale begins where the bounds first reach this part of their largest value."""
+ARROWS = 11
+"""Arrows across the surroundings."""
+
+CLEAR = 1.12
+"""Arrows begin this much outside the fiber, over its size: its own motion is not drawn."""
 
 
-def _feature(results: xr.Dataset) -> Feature:
-    """Return the marked streamline nearest to the middle of the flux (the paper's 10)."""
-    fraction = results["flux_fraction"].to_numpy()
-    return min(features(results), key=lambda f: abs(fraction[f.row] - 0.5))
+def _start(results: xr.Dataset, side: Side) -> int:
+    """Return the place of the initial direction nearest to the one that the paper draws."""
+    angle = results["initial_angle"].to_numpy() - np.radians(STARTS[side])
+    rise = results["initial_elevation"].to_numpy() if "initial_elevation" in results else 0.0
+    return int(np.argmax(np.abs(np.cos(angle) * np.cos(rise))))
+
+
+def _degrees(results: xr.Dataset, side: Side) -> float:
+    """Return the initial angle of that fiber [degrees]."""
+    start = float(np.degrees(float(results["initial_angle"][_start(results, side)])))
+    return round(start, 1) + 0.0
+
+
+def _first_lowest(results: xr.Dataset) -> Instant:
+    """Return the flow around the fiber of panel a when its pressure is lowest at Loc. 1."""
+    row, fiber = center_feature(results).row, _start(results, "lowest")
+    when = results["extreme_time"].isel(streamline=row, initial_angle=fiber, location=0)
+    time = results["time"].to_numpy()[row]
+    point = int(np.argmin(np.abs(time - float(when.sel(kind="min")))))
+    study = study_of(results)
+    length, viscosity = study["fiber"]["half_length"], study["melt"]["viscosity"]
+    return read_instant(results, row, fiber, point, length, viscosity)
 
 
 @styled
 def figure_history(results: xr.Dataset) -> Figure:
-    """Draw lowest and highest surface pressure over time on the paper's streamline 10."""
-    feature = _feature(results)
-    row = feature.row
-    figure = new_figure(FULL, 112)
-    axes = add_axes(figure, 13, 9, 174, 82)
-    _bands(axes, results, row)
-    _fibers(axes, results, row)
-    axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1.5)
-    _window(axes, results, row)
-    _zones(axes, results, row)
-    _locations(axes, results, row)
-    axes.set_xlabel("time since the inlet [s]")
-    axes.set_ylabel("pressure above the atmosphere's [MPa]")
-    axes.annotate(
-        f"streamline {feature.number}",
-        (0.0, 0.0),
-        xycoords="axes fraction",
-        xytext=(5, 5),
-        textcoords="offset points",
-        color=feature.color,
-        fontweight="bold",
-    )
-    axes.legend(
-        handles=_key(results),
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.09),
-        ncols=3,
-        columnspacing=2.0,
-    )
+    """Draw one fiber's lowest and another's highest pressure over time, and the melt around one."""
+    figure = new_figure(FULL, 144)
+    for k, side in enumerate(STARTS):
+        axes = add_axes(figure, 14 + 94 * k, 88, 80, 45)
+        _panel(axes, results, side)
+        name = f"{'ab'[k]}  {side} pressure, initial angle {_degrees(results, side):g}°"
+        letter(axes, name.replace("-", "−"), inside=True)
+        if k == 0:
+            axes.set_ylabel("above the atmosphere's [MPa]")
+            key_above(axes, _key(), 1.12, columns=7, between=1.4)
+    instant = _first_lowest(results)
+    for k, draw in enumerate((_speed, _pressure)):
+        axes = scene_axes(figure, 14 + 94 * k, 10, 61, _around(results))
+        bar = add_axes(figure, 77.5 + 94 * k, 12, 2.2, 57)
+        draw(axes, bar, results, instant)
+        axes.set_xlabel("x from the fiber's center [µm]")
+        axes.spines[["top", "right"]].set_visible(True)
+        what = ("speed |v|", "pressure less the melt's own")[k]
+        letter(axes, f"{'cd'[k]}  {what} at Loc. 1 of a")
+        if k == 0:
+            axes.set_ylabel("y from the fiber's center [µm]")
     return figure
 
 
-def _line(results: xr.Dataset, name: str, row: int) -> Array:
-    values: Array = MPA * results[name].to_numpy()[row]
-    return values
-
-
-def _bands(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Draw the streamline's pressure, the bounds over every orientation and the quantiles."""
+def _panel(axes: Axes, results: xr.Dataset, side: Side) -> None:
+    """Draw one side of the pressure on one fiber, its bound, and its two extremes."""
+    row, fiber = center_feature(results).row, _start(results, side)
     time = results["time"].to_numpy()[row]
-    own = _line(results, "pressure", row)
-    for side, color in (("lowest", LOW), ("highest", HIGH)):
-        bound = own + _line(results, f"bound_{side}", row)
-        spread = own[:, None] + _line(results, f"quantile_{side}", row)
-        axes.fill_between(time, own, bound, color=color, alpha=0.10, linewidth=0, zorder=1)
-        axes.plot(time, bound, color=color, linewidth=0.5, linestyle=(0, (4, 2)), zorder=1.2)
-        axes.fill_between(
-            time, spread[:, 0], spread[:, -1], color=color, alpha=0.28, linewidth=0, zorder=1.3
-        )
-    axes.plot(time, own, color=INK, linewidth=1.4, zorder=3)
+    color = SIDES[side][1]
+    draw_bound(axes, results, row, side)
+    draw_own(axes, results, row)
+    value = on_fibers(results, side, row)[fiber]
+    axes.plot(time, value, color=color, linewidth=1.2, zorder=3.2)
+    axes.set_xlim(*span(results, row))
+    low, high = (on_fibers(results, f"bound_{name}", row) for name in SIDES)
+    most, least = float(high.max()), float(low.min())
+    axes.set_ylim(least - ROOM[0] * (most - least), most + ROOM[1] * (most - least))
+    axes.set_xlabel("time since the inlet [s]")
+    mark_zones(axes, results, row)
+    _extremes(axes, results, side)
 
 
-def _fibers(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Draw one line for each initial angle."""
-    time, own = results["time"].to_numpy()[row], _line(results, "pressure", row)
-    for side, color in (("lowest", LOW), ("highest", HIGH)):
-        for fiber in _line(results, side, row):
-            axes.plot(time, own + fiber, color=color, linewidth=0.55, zorder=2)
+def _extremes(axes: Axes, results: xr.Dataset, side: Side) -> None:
+    """Mark the extremes of the panel's fiber, and write their distance from the melt's own."""
+    kind, color = SIDES[side]
+    row, fiber = center_feature(results).row, _start(results, side)
+    found = results.isel(streamline=row, initial_angle=fiber).sel(kind=kind)
+    when = found["extreme_time"].to_numpy()
+    end, rise = (MPA * found[name].to_numpy() for name in ("extreme_pressure", "extreme"))
+    told = []
+    for k, mark in enumerate(MARKS):
+        axes.plot([when[k]] * 2, [end[k], end[k] - rise[k]], color=INK, linewidth=0.9, zorder=4)
+        axes.plot(when[k], end[k], mark, mfc="white", mec=color, markersize=4.5, zorder=4.2)
+        told.append(f"$\\Delta P$ = {rise[k]:+.2f} MPa at Loc. {k + 1}".replace("-", "−"))
+    axes.annotate(
+        "\n".join(told),
+        (0.0, 0.0),
+        xycoords="axes fraction",
+        xytext=(4, 5),
+        textcoords="offset points",
+        va="bottom",
+        linespacing=1.4,
+        zorder=5,
+    )
 
 
-def _window(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Set the scales: from where something happens to where nothing does, zones included."""
-    time, own = results["time"].to_numpy()[row], _line(results, "pressure", row)
-    low = own + _line(results, "bound_lowest", row)
-    high = own + _line(results, "bound_highest", row)
-    zones = results["zone_time"].to_numpy()[row]
-    loud = time[np.flatnonzero(high - low > QUIET * float((high - low).max()))]
-    first, last = min(loud[0], zones[0]), max(loud[-1], zones[-1])
-    margin = 0.03 * float(last - first)
-    axes.set_xlim(max(0.0, first - margin), min(time[-1], last + margin))
-    room = 0.05 * float(high.max() - low.min())
-    axes.set_ylim(low.min() - room, high.max() + room)
-
-
-def _zones(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Mark the zones, and the middle of the capillary between Loc. 1 and Loc. 2."""
-    first, last = axes.get_xlim()
-    for zone, when in enumerate(results["zone_time"].to_numpy()[row]):
-        place = (when - first) / (last - first)
-        axes.axvline(when, color=GREY, linewidth=0.6, linestyle=(0, (2.5, 1.5)), zorder=0.9)
-        axes.annotate(
-            f"zone {zone + 1}\n{ZONES[zone]}",
-            (when, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, 1),
-            textcoords="offset points",
-            ha="left" if place < EDGE else "right" if place > 1.0 - EDGE else "center",
-            va="bottom",
-            fontsize=6.5,
-        )
-
-
-def _locations(axes: Axes, results: xr.Dataset, row: int) -> None:
-    """Mark the extremes of each fiber at Loc. 1 and Loc. 2, and name the deepest."""
-    for kind, color in (("min", LOW), ("max", HIGH)):
-        found = results.isel(streamline=row).sel(kind=kind)
-        when = found["extreme_time"].transpose("initial_angle", "location").to_numpy()
-        value = MPA * found["extreme_pressure"].transpose("initial_angle", "location").to_numpy()
-        for k in range(when.shape[1]):
-            axes.plot(
-                when[:, k],
-                value[:, k],
-                linestyle="none",
-                marker=MARKS[k],
-                markersize=4,
-                markerfacecolor="white",
-                markeredgecolor=color,
-                markeredgewidth=0.8,
-                zorder=4,
-            )
-
-
-def _key(results: xr.Dataset) -> list[Line2D | Patch]:
-    """Return what lines, bands and marks mean."""
-    level = results["quantile"].to_numpy()
-    share = f"{100 * level[0]:.0f} to {100 * level[-1]:.0f} %"
-    fibers = f"on fibers of {initial_angles(results)}"
-    found = [
-        Line2D([], [], linestyle="none", marker=mark, color=GREY, mfc="white", label=label)
-        for mark, label in zip(
-            MARKS,
-            (
-                "extremes at Loc. 1, above mid-capillary",
-                "extremes at Loc. 2, below mid-capillary",
-            ),
-            strict=True,
-        )
-    ]
+def _key() -> list[Line2D | Patch]:
+    """Return what lines, bands and discs mean."""
     return [
-        Line2D([], [], color=INK, linewidth=1.4, label="melt's own pressure"),
-        Line2D([], [], color=LOW, linewidth=0.8, label=f"lowest {fibers}"),
-        Line2D([], [], color=HIGH, linewidth=0.8, label=f"highest {fibers}"),
-        Patch(facecolor=GREY, alpha=0.25, label="bound over every orientation"),
-        Patch(facecolor=GREY, alpha=0.6, label=f"{share} of isotropic fibers"),
-        *found,
+        Line2D([], [], color=INK, linewidth=1.3, label="melt's own"),
+        Line2D([], [], color=SIDES["lowest"][1], linewidth=1.2, label="lowest"),
+        Line2D([], [], color=SIDES["highest"][1], linewidth=1.2, label="highest on the fiber"),
+        Patch(facecolor=GREY, alpha=0.25, label="to the bound, every orientation"),
+        *[key_mark(mark, f"Loc. {k + 1}", INK, 4.5, face="white") for k, mark in enumerate(MARKS)],
+        key_mark("o", "zones", INK, 6),
     ]
+
+
+def _around(results: xr.Dataset) -> Window:
+    """Return a window on the fiber's surroundings [µm]."""
+    radius = 1.04 * MICRO * study_of(results)["fiber"]["half_length"] * _radius(results)
+    return Window(-radius, radius, -radius, radius)
+
+
+def _radius(results: xr.Dataset) -> float:
+    """Return how far the surroundings reach, in half-lengths."""
+    return float(np.hypot(*results["cell_point"].to_numpy().T).max())
+
+
+def _in_micrometres(axes: Axes, results: xr.Dataset) -> None:
+    """Draw what follows in half-lengths into axes that stay in micrometres."""
+    scale = 1.0 / (MICRO * study_of(results)["fiber"]["half_length"])
+    ticks = MaxNLocator(5, symmetric=True).tick_values(*axes.get_xlim())
+    low, high = axes.get_xlim()
+    shown = [tick for tick in ticks if low <= tick <= high]
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_ticks(
+            [tick * scale for tick in shown], [f"{t:g}".replace("-", "−") for t in shown]
+        )
+    axes.set_xlim(low * scale, high * scale)
+    axes.set_ylim(low * scale, high * scale)
+
+
+def _speed(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> None:
+    """Draw the speed, and arrows of the velocity relative to the fiber's centre."""
+    _in_micrometres(axes, results)
+    triangles = net(results, instant.angle)
+    speed = MM * instant.speed
+    even = MaxNLocator(12, steps=[1, 2, 5, 10])
+    levels = np.asarray(even.tick_values(float(speed.min()), float(speed.max())))
+    field = draw_contours(axes, triangles, speed, levels, SEQUENTIAL)
+    color_bar(field, bar, "|v| [mm/s]", upright=True)
+    radius = _radius(results)
+    grid = np.linspace(-0.92 * radius, 0.92 * radius, ARROWS)
+    place = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
+    local = place @ rotation(instant.angle)
+    outside = np.hypot(local[:, 0], local[:, 1] * float(results["aspect_ratio"])) > CLEAR
+    place = place[outside & (np.hypot(*place.T) < 0.95 * radius)]
+    u, v = (LinearTriInterpolator(triangles, part)(*place.T) for part in instant.around.T)
+    axes.quiver(*place.T, u, v, color="white", ec=INK, lw=0.3, width=0.007, pivot="mid", zorder=3)
+    _finish(axes, results, instant)
+
+
+def _pressure(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> None:
+    """Draw the pressure less the melt's own."""
+    _in_micrometres(axes, results)
+    pressure = MPA * instant.pressure
+    levels = round_up(float(np.abs(pressure).max())) * LEVELS
+    field = draw_contours(axes, net(results, instant.angle), pressure, levels, ATMOSPHERE)
+    scale = color_bar(field, bar, r"$p - p_\psi$ [MPa]", upright=True)
+    scale.set_ticks([*levels[::2]])
+    _finish(axes, results, instant)
+
+
+def _finish(axes: Axes, results: xr.Dataset, instant: Instant) -> None:
+    """Draw the fiber, the edge of what surrounds it, and where the melt goes."""
+    radius = _radius(results)
+    axes.add_patch(Circle((0, 0), radius, facecolor="none", edgecolor=GREY, lw=0.6, zorder=2))
+    draw_fiber(axes, results, instant.angle)
+    way = instant.melt / float(np.hypot(*instant.melt))
+    axes.annotate(
+        "",
+        tuple(np.array([-0.86, -0.86]) * radius + 0.14 * radius * way),
+        xytext=tuple(np.array([-0.86, -0.86]) * radius - 0.14 * radius * way),
+        arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": INK},
+    )
 
 
 def history_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_history`."""
-    feature = _feature(results)
-    time, own = (results[n].to_numpy()[feature.row] for n in ("time", "pressure"))
-    lowest = MPA * (own + results["lowest"].to_numpy()[feature.row])
-    bound = MPA * (own + results["bound_lowest"].to_numpy()[feature.row])
-    angle, at = np.unravel_index(np.argmin(lowest), lowest.shape)
-    start = np.degrees(results["initial_angle"].to_numpy()[angle])
+    feature, instant = center_feature(results), _first_lowest(results)
+    at = {
+        side: results.isel(streamline=feature.row, initial_angle=_start(results, side))
+        for side in STARTS
+    }
+    low, high = (
+        at[side].sel(kind=SIDES[side][0])["extreme_pressure"].to_numpy() * MPA for side in STARTS
+    )
+    speed, pressure = MM * instant.speed, MPA * instant.pressure
+    beside = against_paper(
+        results,
+        "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
+        f"fiber comes to {low[0]:.2f} MPa at Loc. 1 and {low[1]:.2f} MPa at Loc. 2.",
+    )
+    steep = np.degrees(abs(instant.elevation))
+    plane = (
+        ""
+        if steep < 0.05
+        else f" The fiber stands {steep:.0f}° out of the plane; drawn is one in the plane."
+    )
     return Words(
         caption=(
-            f"Pressure on fibers along streamline {feature.number}, against the atmosphere: the "
-            "melt's own, and lowest and highest on the surface of fibers of all initial angles. "
-            "Light bands, dashed at their ends: bounds over every orientation, reached by the "
-            "worst one there and then. Dark bands: quantiles of an isotropic start. Marks: each "
-            "fiber's extremes against the melt's own pressure above the middle of the capillary "
-            "(Loc. 1) and below it (Loc. 2). The time scale leaves out the quiet ends."
-        ),
+            f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
+            f"that enters at {_degrees(results, 'lowest'):g}°, (b) highest on the one that enters "
+            f"at {_degrees(results, 'highest'):g}°, with the melt's own pressure; "
+            "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
+            f"(c, d) The melt around the fiber of (a) at {instant.time:.3f} s, lowest at Loc. 1, "
+            "in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 (white "
+            "arrows: velocity relative to its center; dark arrow: where it goes), and pressure "
+            f"less the melt's own {MPA * instant.own:.2f} MPa.{plane} The quiet ends are left out."
+            f"{beside}"
+        ).replace(" -", " −"),
         alt=(
-            f"Curves over time on streamline {feature.number}. The melt's own pressure falls from "
-            f"{MPA * own[0]:.2f} MPa to {round(MPA * own[-1], 2) + 0.0:.2f} MPa. "
-            "Pressures on the fibers spread around it, most before the capillary's entrance and "
-            "behind the nozzle's exit. The "
-            f"lowest is {lowest.min():.2f} MPa at {time[at]:.3f} s, on the fiber that entered at "
-            f"{start:.0f} degrees; no orientation gives less than {bound.min():.2f} MPa."
+            f"The lowest pressure on the fiber is {low[0]:.2f} MPa at Loc. 1 and {low[1]:.2f} MPa "
+            f"at Loc. 2, the highest on the other {high[0]:.2f} and {high[1]:.2f} MPa, all against "
+            f"the atmosphere's. Around the fiber the speed lies between {speed.min():.1f} and "
+            f"{speed.max():.1f} mm/s, and the pressure differs from the melt's own by "
+            f"{pressure.min():.2f} MPa at its tips and {pressure.max():.2f} MPa at its flanks."
         ),
     )

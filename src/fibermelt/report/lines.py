@@ -2,23 +2,43 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fibermelt.report.style import BLUE, GREEN, VERMILION, Array
+from fibermelt.report.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ZONES", "Feature", "at_time", "features", "initial_angles", "rest"]
+__all__ = [
+    "ZONES",
+    "Feature",
+    "against_paper",
+    "at_time",
+    "center_feature",
+    "features",
+    "initial_angles",
+    "named",
+    "numbered",
+    "regular",
+    "rest",
+    "study_of",
+]
 
-FEATURES = ((4, BLUE), (10, VERMILION), (18, GREEN))
-"""The paper's feature streamlines of its 22 and their colours, the same in every figure."""
+FEATURES, PAPER_COUNT = (4, 10, 18), 22
+"""The paper's feature streamlines, and of how many."""
 
-PAPER_COUNT = 22
+COLORS = (BLUE, VERMILION, GREEN, ORANGE, PINK)
+"""Colours of the marked streamlines, the same in every figure: no more are marked than there are
+colours to tell them apart."""
+
+CLEAR = 0.05
+"""Names of streamlines closer than this share of all would overlap."""
 
 ZONES = ("capillary entrance", "nozzle exit", "end of swell")
 """The paper's zones 1 to 3."""
@@ -43,18 +63,48 @@ class Feature:
     color: str
 
 
-def features(results: xr.Dataset) -> list[Feature]:
-    """Return the marked streamlines: the paper's 4, 10 and 18 of 22.
+def study_of(results: xr.Dataset) -> dict[str, Any]:
+    """Return the study that the results hold as tables, in SI; empty if they hold none."""
+    return tomllib.loads(results.attrs.get("config", ""))
 
-    Of another number of streamlines, those that share the flux most nearly as these do.
+
+def features(results: xr.Dataset) -> list[Feature]:
+    """Return the marked streamlines: those of the study's ``streamlines.features`` that exist.
+
+    If none does, the paper's 4, 10 and 18 of 22, or those of another number of streamlines that
+    share the flux most nearly as these do. Beyond five, the first five.
     """
+    numbers = results["streamline"].to_numpy().tolist()
+    asked = study_of(results).get("streamlines", {}).get("features", [])
+    rows = [numbers.index(number) for number in dict.fromkeys(asked) if number in numbers]
+    if not rows:
+        fraction = results["flux_fraction"].to_numpy()
+        shares = [(number - 0.5) / PAPER_COUNT for number in FEATURES]
+        rows = [int(np.argmin(np.abs(fraction - share))) for share in shares]
+    marked = sorted(list(dict.fromkeys(rows))[: len(COLORS)])
+    return [Feature(row, numbers[row], color) for row, color in zip(marked, COLORS, strict=False)]
+
+
+def center_feature(results: xr.Dataset) -> Feature:
+    """Return the marked streamline nearest to the middle of the flux: the paper's 10."""
     fraction = results["flux_fraction"].to_numpy()
-    numbers = results["streamline"].to_numpy()
-    found: dict[int, Feature] = {}
-    for number, color in FEATURES:
-        row = int(np.argmin(np.abs(fraction - (number - 0.5) / PAPER_COUNT)))
-        found.setdefault(row, Feature(row, int(numbers[row]), color))
-    return list(found.values())
+    return min(features(results), key=lambda feature: abs(float(fraction[feature.row]) - 0.5))
+
+
+def against_paper(results: xr.Dataset, text: str) -> str:
+    """Return a sentence that sets results beside the paper's text: of the paper's study only."""
+    return f" {text}" if results.attrs.get("title", "").endswith("study paper") else ""
+
+
+def regular(results: xr.Dataset) -> NDArray[np.bool_]:
+    """Return which streamlines pass no singular corner; all of them if every one does."""
+    found = results["near_singularity"].to_numpy() == 0
+    return np.asarray(found if found.any() else ~found)
+
+
+def numbered(results: xr.Dataset, rows: NDArray[np.bool_]) -> str:
+    """Return the numbers of the streamlines chosen, in words."""
+    return ", ".join(str(number) for number in results["streamline"].to_numpy()[rows]) or "none"
 
 
 def rest(results: xr.Dataset) -> Iterator[int]:
@@ -63,11 +113,23 @@ def rest(results: xr.Dataset) -> Iterator[int]:
     return (row for row in range(results.sizes["streamline"]) if row not in marked)
 
 
-def at_time(results: xr.Dataset, name: str, row: int, when: Array) -> Array:
-    """Return a variable along one streamline at given times, linear between points."""
-    time, values = results["time"].to_numpy()[row], results[name].to_numpy()[row]
-    found: Array = np.interp(when, time, values)
-    return found
+def named(results: xr.Dataset) -> dict[int, str | None]:
+    """Return the rows of the streamlines that scales name, with the colours of the marked ones.
+
+    The first and the last are among them where they stand clear of a marked one.
+    """
+    found: dict[int, str | None] = {feature.row: feature.color for feature in features(results)}
+    count = results.sizes["streamline"]
+    for end in (0, count - 1):
+        if all(abs(end - row) > CLEAR * count for row in found):
+            found[end] = None
+    return dict(sorted(found.items()))
+
+
+def at_time(results: xr.Dataset, name: str, when: Array) -> Array:
+    """Return a variable along all streamlines at times (streamline, n), linear between points."""
+    time, values = results["time"].to_numpy(), results[name].to_numpy()
+    return np.array([np.interp(*line) for line in zip(when, time, values, strict=True)])
 
 
 def initial_angles(results: xr.Dataset) -> str:

@@ -9,8 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from fibermelt.report.carpet import weave
 from fibermelt.report.drawing import (
@@ -25,15 +23,15 @@ from fibermelt.report.drawing import (
     scale_bar,
     scene_axes,
 )
-from fibermelt.report.lines import features, initial_angles
-from fibermelt.report.scene import MM, Scene, Window, read_scene
+from fibermelt.report.lines import features, regular
+from fibermelt.report.scene import MM, MPA, Scene, Window, read_scene
+from fibermelt.report.spread import draw_spread, spread_key
 from fibermelt.report.style import (
     ATMOSPHERE,
-    BAND,
-    LOW,
     Words,
     add_axes,
     color_bar,
+    key_above,
     letter,
     round_up,
     styled,
@@ -44,16 +42,11 @@ if TYPE_CHECKING:
 
 __all__ = ["figure_overview", "overview_words"]
 
-MPA = 1e-6
-"""Megapascals in a pascal."""
-
 CHARTS, SCALE = 64.0, 21.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
 
 PLACES = ("above mid-capillary", "below mid-capillary")
 """Where the paper's Loc. 1 and Loc. 2 lie."""
-
-DASHES = (0, (3, 1.5))
 
 FIBERS = "#404040"
 
@@ -91,18 +84,11 @@ def figure_overview(results: xr.Dataset) -> Figure:
     )
     for k, left in enumerate((14.0, 109.0)):
         chart = add_axes(figure, left, 9, 78, CHARTS - 24)
-        _by_streamline(chart, results, k)
+        draw_spread(chart, results, k, "min")
         letter(chart, f"{'cd'[k]}  Loc. {k + 1}, {PLACES[k]}")
         if k == 0:
             chart.set_ylabel("lowest less melt's own [MPa]")
-            chart.legend(
-                handles=_key(results),
-                loc="lower left",
-                bbox_to_anchor=(0.0, 1.12),
-                ncols=6,
-                columnspacing=1.1,
-                handletextpad=0.5,
-            )
+            key_above(chart, spread_key(results), 1.12, columns=6, between=1.1)
     return figure
 
 
@@ -131,93 +117,11 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
         )
 
 
-def _by_streamline(axes: Axes, results: xr.Dataset, location: int) -> None:
-    """Draw the extremes of one location by streamline: fibers, mean, median, bounds, quantiles."""
-    number = results["streamline"].to_numpy()
-    here = results.isel(location=location).sel(kind="min")
-    value = MPA * here["extreme"].transpose("streamline", "initial_angle").to_numpy()
-    bound = MPA * here["extreme_bounds"].transpose("streamline", "side").to_numpy()
-    spread = MPA * here["extreme_quantiles"].transpose("streamline", "quantile").to_numpy()
-    axes.fill_between(number, *bound.T, color=BAND, alpha=0.6, linewidth=0, zorder=1)
-    axes.fill_between(number, spread[:, 0], spread[:, -1], color=LOW, alpha=0.2, lw=0, zorder=1.2)
-    axes.plot(
-        np.repeat(number, value.shape[1]),
-        value.ravel(),
-        "o",
-        color=FIBERS,
-        alpha=0.45,
-        markersize=1.8,
-        markeredgewidth=0,
-        zorder=2,
-    )
-    axes.plot(number, value.mean(axis=1), color=LOW, linewidth=1.4, zorder=3)
-    axes.plot(
-        number, np.median(value, axis=1), color=LOW, linewidth=0.9, linestyle=DASHES, zorder=3
-    )
-    near = results["near_singularity"].to_numpy() > 0
-    axes.plot(
-        number[near],
-        value.mean(axis=1)[near],
-        "D",
-        color=LOW,
-        mfc="white",
-        markersize=3.5,
-        zorder=4,
-    )
-    axes.set_xlim(number[0] - 0.5, number[-1] + 0.5)
-    lowest = MPA * float(results["extreme_bounds"].sel(kind="min").min())
-    axes.set_ylim(1.05 * lowest, 0.0)
-    axes.grid(axis="y", color=BAND, linewidth=0.4)
-    axes.set_xlabel("streamline, from the left edge")
-    marked = {feature.row: feature.color for feature in features(results)}
-    shown = sorted({0, len(number) - 1, *marked})
-    axes.set_xticks(number[shown], [str(number[row]) for row in shown])
-    for row, tick in zip(shown, axes.get_xticklabels(), strict=True):
-        if row in marked:
-            tick.set_color(marked[row])
-            tick.set_fontweight("bold")
-
-
-def _key(results: xr.Dataset) -> list[Line2D | Patch]:
-    """Return what the charts' lines, points and bands mean."""
-    level = results["quantile"].to_numpy()
-    return [
-        Line2D([], [], color=LOW, linewidth=1.4, label="mean"),
-        Line2D([], [], color=LOW, linewidth=0.9, linestyle=DASHES, label="median"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="o",
-            color=FIBERS,
-            markersize=2.5,
-            label=initial_angles(results),
-        ),
-        Patch(
-            facecolor=LOW,
-            alpha=0.2,
-            label=f"isotropic, {100 * level[0]:.0f} to {100 * level[-1]:.0f} %",
-        ),
-        Patch(facecolor=BAND, alpha=0.6, label="bounds, every orientation"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="D",
-            color=LOW,
-            mfc="white",
-            markersize=3.5,
-            label="near a singular corner",
-        ),
-    ]
-
-
 def overview_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_overview`."""
     own = results["pressure"].to_numpy()
     bound = MPA * (own + results["bound_lowest"].to_numpy())
-    steady = results["near_singularity"].to_numpy() == 0
-    chosen = np.where(steady[:, None], bound, np.inf) if steady.any() else bound
+    chosen = np.where(regular(results)[:, None], bound, np.inf)
     row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
     where = [MM * float(results[name][row, at]) for name in "xy"]
     extreme = results["extreme"].sel(kind="min").mean("initial_angle")

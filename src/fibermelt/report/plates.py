@@ -32,6 +32,8 @@ class Plate:
         From the results to caption and alternative text.
     needs : str
         A variable that only the results of its part of a study have.
+    paper : str
+        Which figure of the paper it stands for, such as ``Fig. 16``; empty if for none.
     """
 
     name: str
@@ -39,3 +41,4 @@ class Plate:
     draw: Callable[[xr.Dataset], Figure]
     words: Callable[[xr.Dataset], Words]
     needs: str = "extreme"
+    paper: str = ""

@@ -17,12 +17,12 @@ from fibermelt.report.style import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MM", "Index", "Scene", "Window", "bed_speed", "by_area", "inside", "read_scene"]
+__all__ = ["MM", "MPA", "Index", "Scene", "Window", "bed_speed", "by_area", "inside", "read_scene"]
 
 Index = NDArray[np.intp]
 
-MM = 1e3
-"""Millimetres in a metre."""
+MM, MPA = 1e3, 1e-6
+"""Millimetres in a metre, megapascals in a pascal."""
 
 SIDES = (
     "left wall",

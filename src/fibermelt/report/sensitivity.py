@@ -20,18 +20,34 @@ ORBITS, DIMENSIONS = "orbit_period", "peak_pressure"
 """Variables that only the stage has whose figures they are."""
 
 
-def _sweep(name: str, title: str) -> Plate:
+def _sweep(name: str, title: str, paper: str) -> Plate:
     plate = f"orbit-{name.replace('_', '-')}"
-    return Plate(plate, title, sweep_figure(name), sweep_words(name), ORBITS)
+    return Plate(plate, title, sweep_figure(name), sweep_words(name), ORBITS, paper)
 
 
 ORBIT_FIGURES = (
-    Plate("orbit-motion", "A fiber's turn in simple shear", figure_motion, motion_words, ORBITS),
-    Plate("orbit-pressure", "Pressure over a turn", figure_pressures, pressures_words, ORBITS),
-    _sweep("aspect_ratio", "Pressure over half a turn by aspect ratio"),
-    Plate("orbit-around", "Pressure around the fiber", figure_around, around_words, ORBITS),
-    _sweep("shear_rate", "Pressure over half a turn by shear rate"),
-    _sweep("viscosity", "Pressure over half a turn by viscosity"),
+    Plate(
+        "orbit-motion",
+        "A fiber's turn in simple shear",
+        figure_motion,
+        motion_words,
+        ORBITS,
+        "Fig. 8",
+    ),
+    Plate(
+        "orbit-pressure",
+        "Pressure over a turn",
+        figure_pressures,
+        pressures_words,
+        ORBITS,
+        "Fig. 9",
+    ),
+    _sweep("aspect_ratio", "Pressure over half a turn by aspect ratio", "Fig. 10"),
+    Plate(
+        "orbit-around", "Pressure around the fiber", figure_around, around_words, ORBITS, "Fig. 11"
+    ),
+    _sweep("shear_rate", "Pressure over half a turn by shear rate", "Fig. 12"),
+    _sweep("viscosity", "Pressure over half a turn by viscosity", "Fig. 13"),
 )
 """What is drawn of the stage "orbits": Fig. 8, 9, 10, 11, 12, 13, in this order."""
 

@@ -19,8 +19,9 @@ from fibermelt.report.drawing import (
     mark_window,
     scale_bar,
     scene_axes,
+    zone_badge,
 )
-from fibermelt.report.lines import ZONES, at_time, features, rest
+from fibermelt.report.lines import ZONES, at_time, features, named, numbered, rest
 from fibermelt.report.scene import MM, Scene, Window, read_scene
 from fibermelt.report.style import (
     GREY,
@@ -29,6 +30,7 @@ from fibermelt.report.style import (
     PINK,
     Words,
     add_axes,
+    key_mark,
     letter,
     styled,
 )
@@ -81,15 +83,7 @@ def _key(results: xr.Dataset) -> list[Line2D]:
     ]
     where = ("above the middle of the capillary", "below it")
     return lines + [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker=mark,
-            color=color,
-            markersize=4,
-            label=f"Loc. {k + 1}: lowest pressure on a fiber {where[k]}",
-        )
+        key_mark(mark, f"Loc. {k + 1}: lowest pressure on a fiber {where[k]}", color, 4)
         for k, (mark, color) in enumerate(PLACES)
     ]
 
@@ -109,29 +103,13 @@ def _paint(axes: Axes, scene: Scene, window: Window, results: xr.Dataset) -> Non
 def draw_zones(axes: Axes, results: xr.Dataset) -> None:
     """Draw a dashed line through the points where the streamlines reach each zone, numbered."""
     when = results["zone_time"].to_numpy()
-    rows = range(results.sizes["streamline"])
-    for zone in range(len(ZONES)):
-        x, y = (
-            MM * np.array([at_time(results, name, row, when[row, zone]) for row in rows])
-            for name in "xy"
-        )
+    at = [MM * at_time(results, name, when).T for name in "xy"]
+    for zone, (x, y) in enumerate(zip(*at, strict=True)):
         axes.plot(x, y, color=INK, linewidth=0.9, linestyle=ZONE_DASHES, zorder=4)
         end = int(np.argmax(y)) if zone == 2 else -1
         if not axes.viewLim.contains(x[end], y[end]):
             continue
-        axes.annotate(
-            str(zone + 1),
-            (x[end], y[end]),
-            xytext=(4, 6) if zone == 2 else (9, 0),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontsize=6.5,
-            color="white",
-            fontweight="bold",
-            zorder=7,
-            bbox={"boxstyle": "circle,pad=0.18", "facecolor": INK, "edgecolor": "none"},
-        )
+        zone_badge(axes, zone + 1, (x[end], y[end]), (4, 6) if zone == 2 else (9, 0))
 
 
 def _places(axes: Axes, results: xr.Dataset) -> None:
@@ -155,9 +133,7 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
     """Write the numbers of the marked streamlines, the first and the last over the inlet."""
     numbers = results["streamline"].to_numpy()
     x, y = MM * results["x"].to_numpy()[:, 0], MM * results["y"].to_numpy()[:, 0]
-    chosen = {feature.row: feature.color for feature in features(results)}
-    chosen |= {row: GREY for row in (0, len(numbers) - 1) if row not in chosen}
-    for row, color in chosen.items():
+    for row, color in named(results).items():
         axes.annotate(
             str(numbers[row]),
             (x[row], y[row]),
@@ -165,7 +141,7 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
             textcoords="offset points",
             ha="center",
             va="bottom",
-            color=color,
+            color=color or GREY,
             fontweight="bold",
         )
 
@@ -176,16 +152,15 @@ def streamlines_words(results: xr.Dataset) -> Words:
     marked = ", ".join(str(feature.number) for feature in features(results))
     end = results["time"].to_numpy()[:, -1]
     zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
-    near = results["streamline"].to_numpy()[results["near_singularity"].to_numpy() > 0]
-    flagged = ", ".join(str(number) for number in near) or "none"
+    flagged = numbered(results, results["near_singularity"].to_numpy() > 0)
     return Words(
         caption=(
-            f"{count} streamlines, each with the same share of the flux, numbered from the left "
-            f"edge; {marked} are marked, in the same colours in every figure. Dashed: zones "
-            f"({zones}). Points: where the fibers of all initial angles meet their lowest surface "
-            "pressure against the melt around them, above the middle of the capillary (Loc. 1) "
-            "and below it (Loc. 2). Near a singular corner, and so dependent on the mesh: "
-            f"streamlines {flagged}."
+            f"Fig. 2b of the paper: {count} streamlines of the same share of the flux, numbered "
+            f"from the left edge; {marked} are marked, in the same colours in every figure. "
+            f"Dashed: zones ({zones}). Points: where the fibers of all initial angles meet their "
+            "lowest surface pressure against the melt around them, above the middle of the "
+            "capillary (Loc. 1) and below it (Loc. 2). Near a singular corner, and so dependent on "
+            f"the mesh: streamlines {flagged}."
         ),
         alt=(
             "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
