@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.study.variables import labelled
+from fibermelt.study.void_melt import moist_melt
+from fibermelt.study.void_stages import assess_bead
 
 Array = NDArray[np.float64]
 
@@ -40,7 +42,10 @@ LEVELS = np.array([0.05, 0.5, 0.95])
 def made_up(count: int = 22, angles: int = 5, points: int = 120) -> xr.Dataset:
     """Return results with every variable that the figures read."""
     lines = _streamlines(count, points)
-    return labelled(_flow() | lines | _fibers(lines, angles) | _cell()).assign_attrs(config=CONFIG)
+    bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell())
+    stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
+    melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
+    return bead.merge(assess_bead(stages, 817.0, melt, layers=6)).assign_attrs(config=CONFIG)
 
 
 def _flow() -> dict[str, Any]:

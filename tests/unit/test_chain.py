@@ -20,6 +20,7 @@ from fibermelt.study.variables import VARIABLES, labelled
 from fibermelt.units import parse
 
 DEFAULTS = flatten(resolve({}))
+BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids"}
 
 
 def test_every_parameter_is_read_by_a_stage():
@@ -37,13 +38,14 @@ def test_stages_come_after_their_inputs():
 @pytest.mark.parametrize(
     ("key", "changed"),
     [
-        ("flow.gap", {"flow", "streamlines", "motion", "orientation", "dimensions"}),
-        ("streamlines.count", {"streamlines", "motion", "orientation", "dimensions"}),
+        ("flow.gap", BELOW_FLOW | {"flow"}),
+        ("streamlines.count", BELOW_FLOW),
         ("fiber.aspect_ratio", {stage.name for stage in CHAIN.stages} - {"flow", "streamlines"}),
         ("interaction.volume_fraction", {"content", "orientation"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion", "dimensions"}),
-        ("numerics.isotropic_angles", {"motion"}),
+        ("fiber.initial_angles", {"motion", "dimensions", "voids"}),
+        ("numerics.isotropic_angles", {"motion", "voids"}),
+        ("voids.moisture", {"voids"}),
     ],
 )
 def test_a_change_reaches_what_depends_on_it(key, changed):

@@ -13,6 +13,7 @@ from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.reports import report
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.versions import options, version
+from fibermelt.cli.voids import voids
 
 __all__ = ["app", "main"]
 
@@ -23,7 +24,12 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, report, validate, defaults, orbit, orientation, domain_size, verify, version):
+COMMANDS = (
+    *(run, report, voids, validate, defaults),
+    *(orbit, orientation, domain_size),
+    *(verify, version),
+)
+for command in COMMANDS:
     app.command()(command)
 
 

@@ -25,6 +25,7 @@ from fibermelt.report.profiles import figure_profiles, profiles_words
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
 from fibermelt.report.style import save
+from fibermelt.report.voids import figure_voids, voids_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,6 +92,7 @@ FIGURES = (
         paper="Fig. 20",
     ),
     *ORIENTATION_FIGURES,
+    Plate("voids", "Where voids can start", figure_voids, voids_words, needs="void_margin"),
 )
 """The figures in the order of a report."""
 

@@ -33,6 +33,8 @@ from fibermelt.study.sensitivity_summary import (
 )
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
+from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage, with_orientation
+from fibermelt.study.void_summary import summarize_voids, voids_in_words
 
 if TYPE_CHECKING:
     from fibermelt.study.parameters import Value
@@ -95,6 +97,14 @@ CHAIN = Chain(
         ),
         Stage("orientation", 2, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
         Stage(
+            "voids",
+            1,
+            VOID_PARAMETERS,
+            ("streamlines", "cell", "motion"),
+            voids_stage,
+            inputs_if=with_orientation,
+        ),
+        Stage(
             "interaction",
             1,
             ("fiber.aspect_ratio", "interaction.closure"),
@@ -119,6 +129,7 @@ CHAIN = Chain(
         ),
         Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
+        Part("voids", ("voids",), summarize_voids, voids_in_words),
         Part("claims", (), summarize_claims, claims_in_words),
     ),
     version=2,

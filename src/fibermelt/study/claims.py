@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any, Literal
 from fibermelt.study.quantities import NotStoredError, Quantity
 from fibermelt.study.quantities_bead import BEAD
 from fibermelt.study.quantities_fiber import FIBER
+from fibermelt.study.quantities_voids import VOIDS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Claim", "Judgement", "claims", "claims_in_words", "judge", "summarize_claims"]
 
-QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER}
+QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
 """What claims are judged by, by name."""
 
 Verdict = Literal["holds", "differs", "cannot be judged"]

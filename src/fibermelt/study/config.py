@@ -8,6 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from fibermelt.study.parameters import Section, quantity, setting
+from fibermelt.study.void_config import Voids
 
 __all__ = [
     "Config",
@@ -18,6 +19,7 @@ __all__ = [
     "Numerics",
     "Sensitivity",
     "Streamlines",
+    "Voids",
     "What",
 ]
 
@@ -50,7 +52,7 @@ def _edge(default: float, doc: str) -> float:
     return edge
 
 
-PartName = Literal["bead", "orientation", "interaction", "orbits", "dimensions", "claims"]
+PartName = Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"]
 """What can be asked for; the chain has a part of each name."""
 
 
@@ -58,14 +60,16 @@ class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
     parts: tuple[
-        Literal["bead", "orientation", "interaction", "orbits", "dimensions", "claims"], ...
+        Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"],
+        ...,
     ] = setting(
         ["bead"],
         'What is computed. "bead": fibers along the streamlines of the deposition flow; '
         '"orientation": orientation tensors along them; "interaction": from fiber content to the '
         'size of the cell; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
-        '"claims": whether the paper\'s claims hold in what the other parts found.',
+        '"voids": where in the bead voids can start; "claims": whether the paper\'s claims hold in '
+        "what the other parts found.",
     )
 
     @model_validator(mode="after")
@@ -430,7 +434,15 @@ class Config(Section):
     streamlines: Streamlines = Field(default_factory=Streamlines)
     interaction: Interaction = Field(default_factory=Interaction)
     sensitivity: Sensitivity = Field(default_factory=Sensitivity)
+    voids: Voids = Field(default_factory=Voids)
     numerics: Numerics = Field(default_factory=Numerics)
+
+    @model_validator(mode="after")
+    def _moisture(self) -> Self:
+        """Refuse what the material's card does not allow, before the flow is computed."""
+        if "voids" in self.study.parts:
+            self.voids.refuse_impossible()
+        return self
 
     @model_validator(mode="after")
     def _scales(self) -> Self:

@@ -1,0 +1,55 @@
+"""Commands on voids: `fibermelt voids`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fibermelt.cli.common import JsonOption, say, told
+
+__all__ = ["voids"]
+
+
+def voids(
+    folder: Annotated[
+        str, typer.Argument(metavar="DIR", help="Results folder of a finished run of a bead.")
+    ],
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CARD",
+            help="Material card: a shipped one or the path of a TOML file; the study's by default.",
+        ),
+    ] = None,
+    moisture: Annotated[
+        str | None,
+        typer.Option(metavar="W", help='Moisture over the mass of polymer, such as "0.17 %".'),
+    ] = None,
+    temperature: Annotated[
+        str | None,
+        typer.Option(metavar="T", help='Temperature of the melt, such as "230 degC".'),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Tell where in the bead of a finished run voids start, and what drying would do."""
+    with told():
+        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.void_question import VoidQuestion, answer_voids  # noqa: PLC0415
+        from fibermelt.study.void_summary import voids_in_words  # noqa: PLC0415
+
+        question = VoidQuestion(
+            material=material,
+            moisture=None if moisture is None else read_quantity("--moisture", moisture, ""),
+            temperature=(
+                None if temperature is None else read_quantity("--temperature", temperature, "K")
+            ),
+        )
+        answer = answer_voids(Path(folder), question)
+        say(
+            json.dumps(answer, indent=1)
+            if as_json
+            else "\n".join(voids_in_words({"voids": answer}))
+        )

@@ -1,0 +1,151 @@
+"""Voids from the bed to the free surface, and of the bead in all.
+
+Every streamline carries the same share of the flux, and the finished bead moves as a whole: in
+the order of their heights the streamlines are bands of equal thickness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+__all__ = ["SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
+
+SELECTIONS = ("regular", "all")
+"""Without the streamlines that pass close by a singular corner, and with them."""
+
+MOST_LIKELY = "isotropic 50 %"
+"""Basis of the median isotropic fiber."""
+
+
+def layer_weights(height: Array, regular: NDArray[np.bool_], layers: int) -> Array:
+    """Return the share of each streamline in each layer's flux, (layers, streamline).
+
+    Parameters
+    ----------
+    height : (streamline,) array
+        Height of each in the finished bead [m].
+    regular : (streamline,) array of bool
+        Which of them count; layers with none of them have no shares.
+    layers : int
+        Number of layers of equal flux, from the bed.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: a run that finds everything done never needs it
+
+    count = len(height)
+    below = np.argsort(np.argsort(height, kind="stable"))
+    floor = np.arange(layers)[:, None] / layers
+    low, high = below / count, (below + 1) / count
+    overlap = np.minimum(high, floor + 1 / layers) - np.maximum(low, floor)
+    # An overlap of rounding would put a streamline into the layer next to its own.
+    overlap = np.where((overlap > 1e-9 / layers) & regular, overlap, 0.0)
+    total = overlap.sum(axis=1, keepdims=True)
+    shares: Array = np.divide(overlap, total, out=np.zeros_like(overlap), where=total > 0.0)
+    return shares
+
+
+def layer_profile(
+    found: Mapping[str, Any], regular: NDArray[np.bool_], layers: int
+) -> dict[str, Any]:
+    """Return the profile over the bead's height, with and without singular streamlines.
+
+    Parameters
+    ----------
+    found : mapping
+        The variables of voids along the streamlines, as arrays by their names.
+    regular : (streamline,) array of bool
+        Which streamlines pass no singular corner.
+    layers : int
+        Number of layers.
+    """
+    import numpy as np  # noqa: PLC0415  lazy, as above
+
+    height = found["void_height"]
+    bead = _bead_height(height)
+    lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
+    on_fibers = found["void_fiber_lowest"].mean(axis=-1)
+    parts: dict[str, list[Array]] = {}
+    for chosen in (regular, np.ones_like(regular)):
+        weights = layer_weights(height, chosen, layers)
+        empty = ~np.any(weights > 0.0, axis=1)
+        part = {
+            "void_layer_lowest_pressure": _least(lowest, weights),
+            "void_layer_mean_pressure": _hide(weights @ lowest, empty),
+            "void_layer_fiber_pressure": _hide(weights @ on_fibers, empty),
+            "void_layer_time_below": _hide(weights @ found["void_time_below"], empty),
+            "void_layer_moisture": _least(limit, weights),
+        }
+        for name, values in part.items():
+            parts.setdefault(name, []).append(values)
+    return {
+        "void_selection": list(SELECTIONS),
+        "void_layer": (np.arange(layers) + 0.5) * bead / layers,
+        **{name: np.stack(values) for name, values in parts.items()},
+    }
+
+
+def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[str, Any]:
+    """Return what holds of the bead in all, with and without singular streamlines.
+
+    Parameters as in `layer_profile`. The critical moisture of the worst streamline, and the mean
+    over the flux, which takes saturation where no moisture suffices, as no polymer holds more.
+    """
+    import numpy as np  # noqa: PLC0415  lazy, as above
+
+    lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
+    most = found["void_saturation_moisture"]
+    capped = np.where(np.isnan(limit), most, limit)
+    totals: dict[str, list[Array]] = {}
+    for chosen in (regular, np.ones_like(regular)):
+        everything = chosen[None, :] / max(int(chosen.sum()), 1)
+        empty = np.array([not chosen.any()])
+        part = {
+            "void_bead_lowest_pressure": _least(lowest, everything),
+            "void_bead_moisture": _least(limit, everything),
+            "void_bead_mean_moisture": _hide(everything @ capped, empty),
+            "void_bead_share_below": _hide(
+                np.sum(found["void_margin"][chosen] < 0.0, axis=0)[None, :] / max(chosen.sum(), 1),
+                empty,
+            ),
+        }
+        for name, values in part.items():
+            totals.setdefault(name, []).append(values[0])
+    stacked = {name: np.stack(values) for name, values in totals.items()}
+    basis = found["void_basis"]
+    regularly = SELECTIONS.index("regular")
+    return stacked | {
+        "void_critical_moisture": stacked["void_bead_moisture"][regularly, basis.index("bounds")],
+        "void_critical_moisture_mean": stacked["void_bead_mean_moisture"][
+            regularly, basis.index(MOST_LIKELY)
+        ],
+    }
+
+
+def _bead_height(height: Array) -> float:
+    """Return the height of the bead [m]: the streamlines stand in the middle of their bands."""
+    count = len(height)
+    if count == 1:
+        return 2.0 * float(height[0])
+    return float(height.max() - height.min()) * count / (count - 1)
+
+
+def _least(values: Array, weights: Array) -> Array:
+    """Return the least value in each layer, (layers, ...); NaN where there is none."""
+    import numpy as np  # noqa: PLC0415  lazy, as above
+
+    here = (weights > 0.0)[..., None] & ~np.isnan(values)
+    least = np.min(np.broadcast_to(values, here.shape), axis=1, where=here, initial=np.inf)
+    return np.where(np.isfinite(least), least, np.nan)
+
+
+def _hide(values: Array, empty: NDArray[np.bool_]) -> Array:
+    """Return NaN where a layer has no streamline."""
+    import numpy as np  # noqa: PLC0415  lazy, as above
+
+    return np.where(empty.reshape(-1, *(1,) * (values.ndim - 1)), np.nan, values)

@@ -1,0 +1,235 @@
+"""What summary.json and the words say of voids, as a function of the results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["summarize_voids", "voids_in_words"]
+
+BASIS = "bounds"
+"""Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
+
+_ON_LINE = (
+    "lowest_pressure",
+    "time_below",
+    "margin",
+    "log10_rate",
+    "critical_radius",
+    "critical_time",
+    "residence_margin",
+    "required_wetting",
+    "required_angle",
+)
+"""What is told of each streamline, by the names of its variables without ``void_``."""
+
+
+def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
+    """Return what summary.json says of voids: ``{"voids": {...}}``, in SI, pressures absolute.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        The results, as in results.nc, or the variables of voids alone with ``streamline`` and
+        ``near_singularity``.
+
+    Returns
+    -------
+    dict
+        The numbers on top hold for a fiber in its worst direction and without the streamlines that
+        pass close by a singular corner; ``including_singular`` with them. ``by_basis`` has the
+        same numbers of other pressures (see ``void_basis``), ``profile`` goes from the bed to the
+        free surface. None stands for what there is none of: a critical radius or a rate where no
+        bubble can grow, a critical moisture where no moisture that the polymer can hold suffices.
+        A critical moisture of 0 says that the melt is under tension: no drying helps.
+    """
+    labels = [str(label) for label in results["void_basis"].to_numpy()]
+    regular, everything = (_totals(results, selection) for selection in ("regular", "all"))
+    return {
+        "voids": {
+            "material": {
+                "key": str(results["void_material"].item()),
+                "name": str(results["void_material_name"].item()),
+                "estimates": _lines(results["void_estimates"]),
+                "missing": _lines(results["void_missing"]),
+            },
+            "moisture": float(results["void_moisture"]),
+            "temperature": float(results["void_temperature"]),
+            "saturation_moisture": float(results["void_saturation_moisture"]),
+            "saturation_pressure": float(results["void_saturation_pressure"]),
+            "vapor_pressure": float(results["void_vapor_pressure"]),
+            "basis": BASIS,
+            **regular[BASIS],
+            "including_singular": everything[BASIS],
+            "by_basis": {label: regular[label] for label in labels},
+            "streamlines": _streamlines(results, labels),
+            "profile": _profile(results, labels),
+        }
+    }
+
+
+def _lines(text: xr.DataArray) -> list[str]:
+    return [line for line in str(text.item()).split("\n") if line]
+
+
+def _or_none(value: Any) -> float | None:
+    """Return a number, None for the NaN of what does not exist."""
+    number = float(value)
+    return None if math.isnan(number) else number
+
+
+def _totals(results: xr.Dataset, selection: str) -> dict[str, dict[str, float | None]]:
+    """Return the numbers of the bead in all by basis."""
+    here = results.isel(void_selection=_place(results, "void_selection", selection))
+    vapor = float(results["void_vapor_pressure"])
+    found = {}
+    for k, label in enumerate(results["void_basis"].to_numpy()):
+        lowest = float(here["void_bead_lowest_pressure"][k])
+        found[str(label)] = {
+            "lowest_pressure": _or_none(lowest),
+            "margin": _or_none(lowest - vapor),
+            "critical_moisture": _or_none(here["void_bead_moisture"][k]),
+            "mean_critical_moisture": _or_none(here["void_bead_mean_moisture"][k]),
+            "share_below": _or_none(here["void_bead_share_below"][k]),
+        }
+    return found
+
+
+def _place(results: xr.Dataset, dimension: str, label: str) -> int:
+    return [str(one) for one in results[dimension].to_numpy()].index(label)
+
+
+def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
+    told = labels.index(BASIS)
+    arrays = {
+        name: results[f"void_{name}"].transpose("streamline", "void_basis").to_numpy()
+        for name in (*_ON_LINE, "lowest_x", "lowest_y", "moisture_limit")
+    }
+    height = results["void_height"].to_numpy()
+    return [
+        {
+            "index": int(results["streamline"][k]),
+            "near_singularity": bool(results["near_singularity"][k]),
+            "height": float(height[k]),
+            **{name: _or_none(arrays[name][k, told]) for name in _ON_LINE},
+            "critical_moisture": _or_none(arrays["moisture_limit"][k, told]),
+            "x": float(arrays["lowest_x"][k, told]),
+            "y": float(arrays["lowest_y"][k, told]),
+            "lowest_by_basis": {
+                label: float(arrays["lowest_pressure"][k, j]) for j, label in enumerate(labels)
+            },
+        }
+        for k in range(results.sizes["streamline"])
+    ]
+
+
+def _profile(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
+    told, vapor = labels.index(BASIS), float(results["void_vapor_pressure"])
+    names = ("lowest_pressure", "mean_pressure", "time_below", "moisture")
+    arrays = {
+        name: results[f"void_layer_{name}"]
+        .transpose("void_selection", "void_layer", "void_basis")
+        .to_numpy()
+        for name in names
+    }
+    fibers = results["void_layer_fiber_pressure"].transpose("void_selection", "void_layer")
+    with_them = _place(results, "void_selection", "all")
+    without = _place(results, "void_selection", "regular")
+
+    def layer(selection: int, k: int) -> dict[str, Any]:
+        at = (selection, k, told)
+        lowest = float(arrays["lowest_pressure"][at])
+        return {
+            "lowest_pressure": _or_none(lowest),
+            "margin": _or_none(lowest - vapor),
+            "mean_pressure": _or_none(arrays["mean_pressure"][at]),
+            "time_below": _or_none(arrays["time_below"][at]),
+            "critical_moisture": _or_none(arrays["moisture"][at]),
+            "fiber_pressure": _or_none(fibers[selection, k]),
+            "mean_by_basis": {
+                label: _or_none(arrays["mean_pressure"][selection, k, j])
+                for j, label in enumerate(labels)
+            },
+        }
+
+    return [
+        {
+            "height": float(results["void_layer"][k]),
+            **layer(without, k),
+            "including_singular": layer(with_them, k),
+        }
+        for k in range(results.sizes["void_layer"])
+    ]
+
+
+def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return what a summary says of voids as a few lines for a person.
+
+    Parameters
+    ----------
+    summary : mapping
+        With the content of `summarize_voids`.
+    """
+    voids = summary["voids"]
+    celsius = voids["temperature"] - 273.15
+    lines = [
+        f"vapor pressure  {voids['vapor_pressure'] / 1e6:.3f} MPa of "
+        f"{100 * voids['moisture']:.3g} % moisture in {voids['material']['name']} at "
+        f"{celsius:.0f} degC"
+    ]
+    if voids["lowest_pressure"] is None:
+        lines.append("lowest pressure not told: every streamline passes a singular corner")
+    else:
+        lines += _worst(voids)
+        lines.append(f"drying          {_drying(voids)}")
+    lines += [f"not known       {line}" for line in voids["material"]["missing"]]
+    if estimates := voids["material"]["estimates"]:
+        lines.append(f"estimates       {', '.join(estimates)}")
+    return lines
+
+
+def _worst(voids: Mapping[str, Any]) -> list[str]:
+    """Return the lines on the lowest pressure and on the profile."""
+    regular = [line for line in voids["streamlines"] if not line["near_singularity"]]
+    worst = min(regular, key=lambda line: float(line["lowest_pressure"]))
+    in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
+    lines = [
+        f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its "
+        f"worst direction, on streamline {worst['index']} ({1e3 * worst['height']:.2f} mm above "
+        "the bed)",
+        f"                {in_space / 1e6:.3f} MPa on an unbounded spheroid in space",
+    ]
+    if (wetting := worst["required_wetting"]) is not None and worst["critical_radius"]:
+        lines.append(
+            f"nucleation      critical radius {1e9 * worst['critical_radius']:.0f} nm; starts "
+            f"where a surface leaves {100 * wetting:.2g} % of the homogeneous barrier (log10 rate "
+            f"{worst['log10_rate']:.3g})"
+        )
+    layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]
+    first, last = layers[0], layers[-1]
+    deepest = min(layers, key=lambda layer: float(layer["mean_pressure"]))
+    return [
+        *lines,
+        f"over the bead   {first['mean_pressure'] / 1e6:.3f} MPa at the bed, "
+        f"{deepest['mean_pressure'] / 1e6:.3f} MPa at {1e3 * deepest['height']:.2f} mm, "
+        f"{last['mean_pressure'] / 1e6:.3f} MPa at the free surface",
+    ]
+
+
+def _drying(voids: Mapping[str, Any]) -> str:
+    """Return what drying can do, in one sentence."""
+    critical = voids["critical_moisture"]
+    if critical is None:
+        return "not needed: no moisture that the polymer can hold starts a void"
+    if critical == 0.0:
+        alone = voids["by_basis"]["melt"]["critical_moisture"]
+        rest = f"; without fibers, below {100 * alone:.2g} %" if alone else ""
+        return (
+            "no drying clears the bead: melt at a fiber is under tension, where any trace of "
+            f"moisture suffices{rest}"
+        )
+    return f"below {100 * critical:.2g} % moisture no void starts on any fiber"
