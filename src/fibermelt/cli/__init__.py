@@ -10,6 +10,7 @@ import typer
 
 from fibermelt.cli.fibers import orbit
 from fibermelt.cli.studies import defaults, run, validate
+from fibermelt.cli.sweeps import clean, collect, plan, resume, status, sweep
 from fibermelt.cli.versions import options, version
 
 __all__ = ["app", "main"]
@@ -21,7 +22,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-for command in (run, validate, defaults, orbit, version):
+studies = (run, validate, defaults, orbit)
+sweeps = (plan, sweep, status, resume, collect, clean)
+for command in (*studies, *sweeps, version):
     app.command()(command)
 
 
