@@ -14,11 +14,11 @@ What lies over points, nodes or cells does not: 12 MB a case, that `fibermelt ru
 
 from __future__ import annotations
 
+import io
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
-
-from fibermelt.errors import StoreError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "COLLECTED_DIMENSIONS",
     "COLLECTION",
+    "Batch",
     "Kept",
     "Reduced",
     "reduce_results",
@@ -90,7 +91,7 @@ def reduce_results(dataset: xr.Dataset) -> dict[str, Kept]:
         long_name = str(variable.attrs.get("long_name", ""))
         others = set(dimensions) - COLLECTED_DIMENSIONS
         if not others:
-            kept[name] = Kept(dimensions, variable.to_numpy(), units, long_name)
+            kept[name] = Kept(dimensions, _plain(variable.to_numpy()), units, long_name)
         elif others == {REDUCED_DIMENSION} and len(dimensions) > 1 and units in REDUCED_UNITS:
             axis = dimensions.index(REDUCED_DIMENSION)
             left = tuple(item for item in dimensions if item != REDUCED_DIMENSION)
@@ -113,8 +114,64 @@ def _mean(values: NDArray[np.float64], axis: int, units: str) -> NDArray[np.floa
     return np.asarray(np.angle(np.exp(2j * values).mean(axis)) / 2)
 
 
-def stack(cases: Sequence[tuple[str, Reduced]]) -> list[xr.Dataset]:
-    """Return what is kept of some cases as labelled data over ``case``.
+def _plain(values: NDArray[Any]) -> NDArray[Any]:
+    """Return texts as an array of texts; netCDF gives them as an array of objects."""
+    return values.astype(str) if values.dtype.kind == "O" else values
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What is kept of some cases with the same variables, dimensions and labels.
+
+    Parameters
+    ----------
+    keys : tuple of str
+        The key of each case.
+    variables : dict
+        What is kept, by name: labels as they are, all else over ``case`` first.
+    """
+
+    keys: tuple[str, ...]
+    variables: Reduced
+
+    def to_bytes(self) -> bytes:
+        """Return it as an npz file: arrays of numbers and of texts, never of objects."""
+        import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+        about = {
+            name: [*kept.dimensions, kept.units, kept.long_name]
+            for name, kept in self.variables.items()
+        }
+        arrays = {f"v_{name}": kept.values for name, kept in self.variables.items()}
+        buffer = io.BytesIO()
+        np.savez(
+            buffer, allow_pickle=False, key=self.keys, about=np.array(json.dumps(about)), **arrays
+        )
+        return buffer.getvalue()
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Batch:
+        """Return what an npz file holds; an array of objects in it is refused."""
+        import numpy as np  # noqa: PLC0415  lazy: see above
+
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            variables = {
+                name: Kept(tuple(dimensions), file[f"v_{name}"], units, long_name)
+                for name, (*dimensions, units, long_name) in json.loads(str(file["about"])).items()
+            }
+            return cls(tuple(map(str, file["key"])), variables)
+
+    @staticmethod
+    def keys_in(data: bytes) -> tuple[str, ...]:
+        """Return the keys of the cases in an npz file, without reading the rest of it."""
+        import numpy as np  # noqa: PLC0415  lazy: see above
+
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            return tuple(map(str, file["key"]))
+
+
+def stack(cases: Sequence[tuple[str, Reduced]]) -> list[Batch]:
+    """Return what is kept of some cases, together.
 
     Parameters
     ----------
@@ -123,20 +180,11 @@ def stack(cases: Sequence[tuple[str, Reduced]]) -> list[xr.Dataset]:
 
     Returns
     -------
-    list of xarray.Dataset
-        One for each set of dimensions and labels that occurs: mostly one. The variable ``key``
-        tells the cases apart.
-
-    Raises
-    ------
-    StoreError
-        If a stage has a variable called ``case`` or ``key``.
+    list of Batch
+        One for each set of dimensions and labels that occurs: mostly one.
     """
     groups: dict[Any, list[tuple[str, Reduced]]] = {}
     for key, reduced in cases:
-        if taken := {"case", "key"} & set(reduced):
-            msg = f"results: {min(taken)} is the name of what tells cases apart: rename it"
-            raise StoreError(msg)
         groups.setdefault(_layout(reduced), []).append((key, reduced))
     return [_stacked(group) for group in groups.values()]
 
@@ -155,22 +203,14 @@ def _layout(reduced: Reduced) -> Any:
     )
 
 
-def _stacked(cases: Sequence[tuple[str, Reduced]]) -> xr.Dataset:
+def _stacked(cases: Sequence[tuple[str, Reduced]]) -> Batch:
     import numpy as np  # noqa: PLC0415  lazy: see above
-    import xarray as xr  # noqa: PLC0415
 
-    variables: dict[str, Any] = {
-        "key": (
-            ("case",),
-            np.array([key for key, _ in cases]),
-            {"units": "1", "long_name": "key of the case's results"},
-        )
-    }
+    variables: dict[str, Kept] = {}
     for name, kept in cases[0][1].items():
-        about = {"units": kept.units, "long_name": kept.long_name}
         if kept.is_label(name):
-            variables[name] = (kept.dimensions, kept.values, about)
+            variables[name] = kept
         else:
             values = np.stack([reduced[name].values for _, reduced in cases])
-            variables[name] = (("case", *kept.dimensions), values, about)
-    return xr.Dataset(variables)
+            variables[name] = replace(kept, dimensions=("case", *kept.dimensions), values=values)
+    return Batch(tuple(key for key, _ in cases), variables)

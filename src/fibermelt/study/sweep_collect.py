@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError, StoreError, legible
+from fibermelt.study.collection import Reduced
 from fibermelt.study.config import Config
 from fibermelt.study.files import partial, remove, replace_file, storage_errors
 from fibermelt.study.netcdf import to_bytes
@@ -61,7 +62,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
         raise StoreError(msg)
     found |= _status(cases, asked)
     variables: dict[str, Any] = {}
-    for name, (dims, values, about) in found.items():
+    for name, (dims, values, about) in sorted(found.items()):
         if dims[:1] == ("case",):
             over = values.reshape(*shape, *values.shape[1:])
             variables[name] = ((*dimensions, *dims[1:]), over, about)
@@ -123,54 +124,55 @@ def _numbers(cases: CaseStore, results: Sequence[str]) -> Found:
     for row, result in enumerate(results):
         rows.setdefault(result, []).append(row)
     batches = []
-    for _, dataset in cases.batches():
+    for batch in cases.batches():
         # A case may be in two files: then its numbers are the same, and the first are taken.
-        own = [(k, rows.pop(key)) for k, key in enumerate(dataset["key"].values) if key in rows]
+        own = [(k, rows.pop(key)) for k, key in enumerate(batch.keys) if key in rows]
         if own:
             at = np.array([place for place, targets in own for _ in targets])
             to = np.array([target for _, targets in own for target in targets])
-            batches.append((dataset.drop_vars("key"), at, to))
-    sizes, labels = _extents([dataset for dataset, _, _ in batches])
+            batches.append((batch.variables, at, to))
+    sizes, labels = _extents([variables for variables, _, _ in batches])
     found: Found = {
-        name: ((name,), np.array(list(values)), dict(about))
-        for name, (values, about) in labels.items()
+        name: ((name,), np.array(list(values)), about) for name, (values, about) in labels.items()
     }
-    for dataset, at, to in batches:
-        places = {
-            str(name): np.array([labels[str(name)][0][value] for value in dataset[name].values])
-            if name in labels
-            else np.arange(size)
-            for name, size in dataset.sizes.items()
-            if name != "case"
-        }
-        for name, variable in dataset.variables.items():
+    for variables, at, to in batches:
+        for name, kept in variables.items():
             if name in labels:
                 continue
-            dims = tuple(map(str, variable.dims))
-            if str(name) not in found:
-                shape = (len(results), *(sizes[dim] for dim in dims[1:]))
-                found[str(name)] = (dims, _nothing(variable.dtype, shape), dict(variable.attrs))
-            target = found[str(name)][1]
-            target[np.ix_(to, *(places[dim] for dim in dims[1:]))] = variable.to_numpy()[at]
+            own_dims = kept.dimensions[1:]
+            if name not in found:
+                shape = (len(results), *(sizes[dim] for dim in own_dims))
+                about = {"units": kept.units, "long_name": kept.long_name}
+                found[name] = (kept.dimensions, _nothing(kept.values.dtype, shape), about)
+            places = [
+                np.array([labels[dim][0][value] for value in variables[dim].values.tolist()])
+                if dim in labels
+                else np.arange(size)
+                for dim, size in zip(own_dims, kept.values.shape[1:], strict=True)
+            ]
+            found[name][1][np.ix_(to, *places)] = kept.values[at]
     return found
 
 
 def _extents(
-    datasets: Sequence[xr.Dataset],
-) -> tuple[dict[str, int], dict[str, tuple[dict[Any, int], Mapping[Any, Any]]]]:
+    batches: Sequence[Reduced],
+) -> tuple[dict[str, int], dict[str, tuple[dict[Any, int], dict[str, str]]]]:
     """Return the size of every dimension, and the places of its labels, over all batches."""
-    labels: dict[str, tuple[dict[Any, int], Mapping[Any, Any]]] = {}
+    labels: dict[str, tuple[dict[Any, int], dict[str, str]]] = {}
+    orders: dict[str, set[tuple[Any, ...]]] = {}
     sizes: dict[str, int] = {}
-    for dataset in datasets:
-        for name, size in dataset.sizes.items():
-            sizes[str(name)] = max(sizes.get(str(name), 0), size)
-            if name in dataset.variables:
-                values, _ = labels.setdefault(str(name), ({}, dataset[name].attrs))
-                for value in dataset[name].values:
-                    values.setdefault(value, 0)
+    for variables in batches:
+        for name, kept in variables.items():
+            for dim, size in zip(kept.dimensions, kept.values.shape, strict=True):
+                sizes[dim] = max(sizes.get(dim, 0), size)
+            if kept.is_label(name):
+                about = {"units": kept.units, "long_name": kept.long_name}
+                values, _ = labels.setdefault(name, ({}, about))
+                orders.setdefault(name, set()).add(tuple(kept.values.tolist()))
+                values.update(dict.fromkeys(kept.values.tolist(), 0))
     for name, (values, about) in labels.items():
-        is_number = all(not isinstance(value, str) for value in values)
-        ordered = sorted(values) if is_number else list(values)
+        # In the order that all cases have; where they differ, in one that no case decides.
+        ordered = list(values) if len(orders[name]) == 1 else sorted(values)
         labels[name] = ({value: place for place, value in enumerate(ordered)}, about)
         sizes[name] = len(ordered)
     return sizes, labels

@@ -3,13 +3,14 @@
 ::
 
     DIR/sweep.json                        what was asked: the study, its cases, their keys
-    DIR/cases/batch-<digest>.nc           numbers of finished cases, some tens in a file
+    DIR/cases/batch-<digest>.npz          numbers of finished cases, some tens in a file
     DIR/cases/failed-<stage>-<key>.json   a stage without an answer: why, and its parameters
     DIR/cases/progress.json               how far the last run was
     DIR/cases/locks/                      who computes what at this moment
 
 Every file is written under another name and renamed, so it is there whole or not at all, and
-carries its digest, in its name or inside. All is netCDF or JSON: nothing that is read is run.
+carries its digest, in its name or inside. Arrays are of numbers and texts, all else is
+JSON: no pickle is read, nothing that is read is run.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fibermelt.errors import StoreError
+from fibermelt.study.collection import Batch
 from fibermelt.study.files import (
     canonical,
     digest,
@@ -31,12 +33,8 @@ from fibermelt.study.files import (
     replace_file,
     storage_errors,
 )
-from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.store import KEY_LENGTH, Store
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["CaseStore", "Failure", "claimed", "open_case_store", "stage_folder"]
 
@@ -181,13 +179,13 @@ class CaseStore:
         found: dict[str, tuple[str, ...]] = {}
         self.damaged = []
         with storage_errors(self.folder):
-            names = sorted(path.name for path in self.folder.glob("batch-*.nc"))
+            names = sorted(path.name for path in self.folder.glob("batch-*.npz"))
         for name in names:
             if name in self._results:
                 found[name] = self._results[name]
                 continue
             try:
-                found[name] = _keys_in(self._whole(name))
+                found[name] = Batch.keys_in(self._whole(name))
             except FileNotFoundError:
                 continue
             except StoreError:
@@ -195,17 +193,17 @@ class CaseStore:
         self._results = found
         return {key for keys in found.values() for key in keys}
 
-    def batches(self) -> Iterator[tuple[str, xr.Dataset]]:
-        """Yield the name and the content of every whole file of finished cases, in order."""
+    def batches(self) -> Iterator[Batch]:
+        """Yield the content of every whole file of finished cases, in order."""
         self.refresh()
         for name in self._results:
-            yield name, from_bytes(self._whole(name))
+            yield Batch.from_bytes(self._whole(name))
 
     def batch_results(self) -> Mapping[str, tuple[str, ...]]:
         """Return the keys of the cases in every file that `refresh` found, by its name."""
         return self._results
 
-    def write_batch(self, dataset: xr.Dataset) -> None:
+    def write_batch(self, batch: Batch) -> None:
         """Write some finished cases.
 
         Raises
@@ -213,8 +211,8 @@ class CaseStore:
         StoreError
             If that cannot be; nothing of it is left then.
         """
-        data = to_bytes(dataset)
-        replace_file(self.folder / f"batch-{digest(data)[:KEY_LENGTH]}.nc", data)
+        data = batch.to_bytes()
+        replace_file(self.folder / f"batch-{digest(data)[:KEY_LENGTH]}.npz", data)
 
     def discard_damaged(self) -> list[Path]:
         """Remove the damaged files that `refresh` found, and return what they were."""
@@ -227,7 +225,7 @@ class CaseStore:
     def _whole(self, name: str) -> bytes:
         """Return the bytes of a file that are those which its name tells."""
         data = (self.folder / name).read_bytes()
-        if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".nc"):
+        if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".npz"):
             msg = (
                 f"{self.folder / name}: is damaged, or was changed since it was written; fibermelt "
                 "resume DIR computes its cases anew"
@@ -319,11 +317,3 @@ def open_case_store(directory: Path) -> CaseStore:
         store.discard_if_empty()
         raise
     return cases
-
-
-def _keys_in(data: bytes) -> tuple[str, ...]:
-    """Return the keys of the cases in a file, without reading the rest of it."""
-    import h5py  # type: ignore[import-untyped]  # noqa: PLC0415  no types; lazy: only sweeps
-
-    with h5py.File(io.BytesIO(data), "r") as file:
-        return tuple(map(str, file["key"].asstr()[:]))

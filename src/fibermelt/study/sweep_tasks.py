@@ -222,8 +222,8 @@ class _Worker:
                 else:
                     spent = time.perf_counter() - began
                     outcomes.append(Outcome(case.result, "done", spent, note=self._mended))
-            for dataset in stack(numbers):
-                self._cases.write_batch(dataset)
+            for batch in stack(numbers):
+                self._cases.write_batch(batch)
         return outcomes
 
     def _numbers(self, case: PlannedCase) -> dict[str, Kept]:
