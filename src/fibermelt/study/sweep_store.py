@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import io
 import json
+import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -37,6 +38,10 @@ from fibermelt.study.schema import SCHEMA
 from fibermelt.study.store import KEY_LENGTH, Store
 
 __all__ = ["CaseStore", "Failure", "claimed", "open_case_store", "stage_folder"]
+
+
+NO_BATCH = (ValueError, KeyError, EOFError, zipfile.BadZipFile)
+"""What reading a file raises that no sweep wrote, whatever its name: objects in it, for one."""
 
 
 @dataclass(frozen=True)
@@ -188,7 +193,7 @@ class CaseStore:
                 found[name] = Batch.keys_in(self._whole(name))
             except FileNotFoundError:
                 continue
-            except StoreError:
+            except (StoreError, *NO_BATCH):
                 self.damaged.append(self.folder / name)
         self._results = found
         return {key for keys in found.values() for key in keys}
@@ -197,7 +202,11 @@ class CaseStore:
         """Yield the content of every whole file of finished cases, in order."""
         self.refresh()
         for name in self._results:
-            yield Batch.from_bytes(self._whole(name))
+            try:
+                yield Batch.from_bytes(self._whole(name))
+            except NO_BATCH as error:
+                msg = f"{self.folder / name}: no sweep wrote this: remove it and resume"
+                raise StoreError(msg) from error
 
     def batch_results(self) -> Mapping[str, tuple[str, ...]]:
         """Return the keys of the cases in every file that `refresh` found, by its name."""
@@ -226,11 +235,7 @@ class CaseStore:
         """Return the bytes of a file that are those which its name tells."""
         data = (self.folder / name).read_bytes()
         if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".npz"):
-            msg = (
-                f"{self.folder / name}: is damaged, or was changed since it was written; fibermelt "
-                "resume DIR computes its cases anew"
-            )
-            raise StoreError(msg)
+            raise _damaged(self.folder / name)
         return data
 
     # What has no answer.
@@ -245,14 +250,13 @@ class CaseStore:
 
     def failures(self) -> dict[str, Failure]:
         """Return all stages that have no answer by their keys; a damaged file counts as none."""
-        found = {}
-        for path in sorted(self.folder.glob("failed-*.json")):
-            try:
-                failure = Failure(**read_sealed(path))
-            except (ValueError, TypeError, StoreError):
-                continue
-            found[failure.key] = failure
-        return found
+        read = map(_failure, sorted(self.folder.glob("failed-*.json")))
+        return {failure.key: failure for failure in read if failure is not None}
+
+    def failure(self, stage: str, key: str) -> Failure | None:
+        """Return why a stage has no answer, or None if nothing is known against it."""
+        path = self._failure_path(stage, key)
+        return _failure(path) if path.exists() else None
 
     def forget_failures(self, *, lasting: bool) -> None:
         """Remove the failures that may have been an accident, and with ``lasting`` all."""
@@ -317,3 +321,17 @@ def open_case_store(directory: Path) -> CaseStore:
         store.discard_if_empty()
         raise
     return cases
+
+
+def _failure(path: Path) -> Failure | None:
+    try:
+        return Failure(**read_sealed(path))
+    except (ValueError, TypeError, StoreError):
+        return None
+
+
+def _damaged(path: Path) -> StoreError:
+    return StoreError(
+        f"{path}: is damaged, or was changed since it was written; fibermelt resume DIR computes "
+        "its cases anew"
+    )

@@ -276,6 +276,8 @@ class _Worker:
     def _compute(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> xr.Dataset:
         """Return the data of a stage, computed from those of its inputs."""
         stage = self._stages[name]
+        if known := self._cases.failure(name, case.keys[name]):
+            raise _NoAnswer(known)
         inputs = {other: self._data(other, case, values).data for other in stage.fed(values)}
         return _answer(stage, case.keys[name], stage_parameters(stage, values), inputs)
 
