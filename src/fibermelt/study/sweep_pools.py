@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.sweep_tasks import Outcome, Task, fulfil, single_threaded
+from fibermelt.study.sweep_tasks import Outcome, Task, forget, fulfil, single_threaded
 
 __all__ = ["Died", "Pool", "open_pool"]
 
@@ -39,7 +39,7 @@ class Pool(Protocol):
     """Who does tasks."""
 
     def threads(self) -> int:
-        """Return how many tasks can be done at once."""
+        """Return how many tasks can be done at once; none while there are no workers."""
 
     def submit(self, task: Task) -> None:
         """Have a task done some time."""
@@ -79,14 +79,14 @@ class _Cluster:
         self._where = where
         self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
         self._futures: set[Any] = set()
-        self._threads, self._counted = 1, -COUNT_AGAIN
+        self._threads, self._counted = 0, -COUNT_AGAIN
 
     def threads(self) -> int:
-        """Return the number of threads of all workers, at least one."""
+        """Return the number of threads of all workers; there may be none yet."""
         now = time.monotonic()
         if now - self._counted > COUNT_AGAIN:
             self._check()
-            self._threads = max(1, sum(self._client.nthreads().values()))
+            self._threads = sum(self._client.nthreads().values())
             self._counted = now
         return self._threads
 
@@ -173,7 +173,9 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
         msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
         raise ConfigError(msg)
     if workers == 0:
+        forget()
         yield _Here()
+        forget()
         return
     try:
         import dask  # noqa: PLC0415  lazy: see the module

@@ -211,7 +211,9 @@ class _Work:
         """
         while self.left():
             self._return_busy()
-            while self.flying < AHEAD * pool.threads() and (task := self._next_task(pool, folder)):
+            while self.flying < AHEAD * max(1, pool.threads()) and (
+                task := self._next_task(pool, folder)
+            ):
                 pool.submit(task)
                 self.flying += 1
             finished = pool.next(BUSY_PAUSE)
@@ -236,7 +238,7 @@ class _Work:
         items, pace = self.ready[kind], self.pace.setdefault(kind, _Pace())
         count = 1
         if pace.known:
-            share = math.ceil(len(items) / (AHEAD * pool.threads()))
+            share = math.ceil(len(items) / (AHEAD * max(1, pool.threads())))
             count = min(LARGEST_TASK, share, int(TASK_SECONDS / max(pace.seconds, 1e-3)))
         return _task(folder, [items.popleft() for _ in range(min(max(1, count), len(items)))])
 
@@ -327,6 +329,8 @@ class _Work:
 
     def _to_go(self, pool: Pool) -> str:
         """Return the time to go in words, as far as every kind of work left has been seen."""
+        if pool.threads() == 0:
+            return ", waiting for workers"
         left: dict[str, int] = {"case": self.cases_left}
         for key in self.stages_left:
             name = self.plan.jobs[key].stage

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fibermelt.study.stages import Stage
     from fibermelt.study.sweep_plan import PlannedCase
 
-__all__ = ["Folder", "Outcome", "Task", "fulfil", "single_threaded"]
+__all__ = ["Folder", "Outcome", "Task", "forget", "fulfil", "single_threaded"]
 
 CACHE_BYTES = 256 * 2**20
 """Data of stages that a worker holds at most [bytes]: some tens of flows with their streamlines."""
@@ -141,6 +141,11 @@ def fulfil(task: Task) -> list[Outcome]:
 
 _WORKERS: dict[str, _Worker] = {}
 """What this process holds of the folder that it works for: one at a time."""
+
+
+def forget() -> None:
+    """Forget what this process holds of a folder: another sweep may find it changed."""
+    _WORKERS.clear()
 
 
 def _worker(folder: Folder) -> _Worker:
