@@ -22,9 +22,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.callback()(options)
-studies = (run, validate, defaults, orbit)
-sweeps = (plan, sweep, status, resume, collect, clean)
-for command in (*studies, *sweeps, version):
+_STUDIES = (run, validate, defaults, orbit)
+_SWEEPS = (plan, sweep, status, resume, collect, clean)
+for command in (*_STUDIES, *_SWEEPS, version):
     app.command()(command)
 
 

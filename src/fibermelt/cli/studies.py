@@ -47,8 +47,8 @@ def run(
         resolved = load_study(study, sets or [])
         if resolved.sweep is not None:
             msg = (
-                f"{legible(study)}: has a table [sweep], and so is many studies: use fibermelt "
-                "sweep, or fibermelt plan to see its cases"
+                f"{legible(study, len(study))}: has a table [sweep], and so is many studies: use "
+                "fibermelt sweep, or fibermelt plan to see its cases"
             )
             raise ConfigError(msg)
         folder = _folder(out, resolved.name)

@@ -104,7 +104,7 @@ def sweep(
         swept = load_study(study, sets or [])
         return read_sweep(swept), swept
 
-    _go(read, _existing_name(out), workers, scheduler, retry_failed, as_json)
+    _go(read, out, workers, scheduler, retry_failed, as_json)
 
 
 def resume(
@@ -115,20 +115,19 @@ def resume(
     as_json: JsonOption = False,
 ) -> None:
     """Go on with the sweep of a results folder; what is finished is not computed again."""
-    folder = Path(directory)
 
     def read() -> tuple[Sweep, Study]:
         from fibermelt.study.sweep_record import restored  # noqa: PLC0415  lazy, as above
         from fibermelt.study.sweep_store import CaseStore  # noqa: PLC0415
 
-        return restored(CaseStore(folder))
+        return restored(CaseStore(Path(directory)))
 
-    _go(read, folder, workers, scheduler, retry_failed, as_json)
+    _go(read, directory, workers, scheduler, retry_failed, as_json)
 
 
 def _go(
     read: Callable[[], tuple[Sweep, Study]],
-    folder: Path,
+    directory: str,
     workers: int | None,
     scheduler: str | None,
     retry_failed: bool,
@@ -138,6 +137,7 @@ def _go(
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep_runner import run_sweep  # noqa: PLC0415
 
+        folder = _existing_name(directory)
         swept, study = read()
         try:
             with _watching(as_json=as_json) as observer:

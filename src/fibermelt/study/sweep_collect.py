@@ -73,7 +73,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
         "title": f"fibermelt sweep {legible(asked.study.name)}",
         "schema": SCHEMA,
         "config": resolved_toml(asked.study.config, "The study that was swept, in SI."),
-        "sweep": json.dumps(asked.study.sweep, sort_keys=True),
+        "sweep": json.dumps(asked.study.sweep),
     }
     return dataset
 

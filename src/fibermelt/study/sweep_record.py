@@ -98,7 +98,8 @@ def asked(sweep: Sweep, study: Study, plan: Plan) -> dict[str, Any]:
         "name": study.name,
         "origin": study.origin,
         "tables": study.tables,
-        "sweep": study.sweep,
+        # In the order of the axes, which JSON with sorted keys would lose.
+        "sweep": list((study.sweep or {}).items()),
         "axes": [list(axis.keys) for axis in sweep.axes],
         "shape": list(sweep.shape),
         "is_grid": sweep.design == "grid",
@@ -123,7 +124,7 @@ def read_asked(cases: CaseStore) -> Asked:
         origin=content["origin"],
         config=resolve(content["tables"]),
         tables=content["tables"],
-        sweep=content["sweep"],
+        sweep=dict(content["sweep"]),
     )
     return Asked(
         study=study,
