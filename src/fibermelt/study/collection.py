@@ -38,7 +38,12 @@ __all__ = [
 COLLECTION = 1
 """Version of what is kept: raised whenever the same results give other numbers here."""
 
-COLLECTED_DIMENSIONS = frozenset(("streamline", "location", "kind", "zone", "quantile", "side"))
+COLLECTED_DIMENSIONS = frozenset(
+    (
+        *("streamline", "location", "kind", "zone", "quantile", "side", "claim"),
+        *("void_basis", "void_selection", "void_layer"),
+    )
+)
 """Dimensions that are few: what has no others is kept."""
 
 REDUCED_DIMENSION = "initial_angle"
