@@ -131,29 +131,33 @@ def stored_model(cell: xr.Dataset) -> FiberModel:
     What a model has worked out, such as its support function, then serves all cases of a sweep
     that share the cell.
     """
+    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
+    if name != "confined-ellipse":
+        return _unbounded_model(name, aspect_ratio)
     surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
-    return _model(
-        str(cell["fiber_model"].item()),
-        float(cell["aspect_ratio"]),
-        float(cell["shape_factor"]),
-        surface.tobytes(),
-        basis.tobytes(),
-    )
+    factor = float(cell["shape_factor"])
+    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
 
 
 @lru_cache(maxsize=MODELS_KEPT)
-def _model(
-    name: Any, aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
-) -> FiberModel:
-    """Return a model from the numbers of its cell."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
-    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
+def _unbounded_model(name: Any, aspect_ratio: float) -> FiberModel:
+    """Return the model of a fiber without a cell."""
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
-    if name != "confined-ellipse":
-        return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _confined_model(
+    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
+) -> FiberModel:
+    """Return the model of a fiber from the numbers of its cell."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
+    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
+
     angles = np.frombuffer(surface)
     return confined_model(
         FiberResponse(
