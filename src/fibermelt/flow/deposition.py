@@ -6,19 +6,20 @@ mesh starts from the surfaces of the one before and needs four or five Newton st
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConvergenceError
+from fibermelt.errors import ConvergenceError, MeshError
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.mesh import Surfaces
 from fibermelt.flow.problem import Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
 from fibermelt.flow.search import Progress, SurfaceSearch
+from fibermelt.flow.start import StartShape, surfaces_from
 
 __all__ = ["FlowError", "FlowSolution", "solve_deposition"]
 
@@ -26,6 +27,10 @@ Array = NDArray[np.float64]
 
 MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
+
+ROUGH_TOLERANCE = 1e-5
+"""Last step on the middle mesh [widths] that a warm start asks for: a chord step leaves a fifth of it,
+and the error that the mesh is there to estimate is 1e-4."""
 
 LARGEST_ERROR = 0.02
 """Estimated error of the contact point [widths] above which there is no answer to speak of."""
@@ -134,6 +139,7 @@ def solve_deposition(
     problem: Deposition,
     numerics: FlowNumerics | None = None,
     progress: Progress | None = None,
+    start: StartShape | None = None,
 ) -> FlowSolution:
     """Solve the steady free-surface flow of a melt deposited on a moving bed (Eq. 1-4, Fig. 2a).
 
@@ -161,13 +167,28 @@ def solve_deposition(
     """
     numerics = FlowNumerics() if numerics is None else numerics
     search = SurfaceSearch(problem, progress)
-    surfaces = search.find_surfaces(numerics.contact_guess)
+    if start is not None:
+        try:
+            return _finely(search, surfaces_from(start, problem), numerics, chords=True)
+        except (ConvergenceError, MeshError):
+            search.tell("no answer from the neighbour's surfaces: from cold")
+    return _finely(search, search.find_surfaces(numerics.contact_guess), numerics)
+
+
+def _finely(
+    search: SurfaceSearch, surfaces: Surfaces, numerics: FlowNumerics, chords: bool = False
+) -> FlowSolution:
+    """Return the solution from a guess of its surfaces: on the middle mesh, then on the fine."""
+    problem = search.problem
     _check_climb(problem, surfaces)
-    middle, surfaces = search.converge(surfaces, numerics.coarsened(MIDDLE))
+    rough = numerics.coarsened(MIDDLE)
+    if chords:
+        rough = replace(rough, tolerance=max(rough.tolerance, ROUGH_TOLERANCE))
+    middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
     units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
     coarser = field_of(middle, *units)
-    flow, surfaces = search.converge(surfaces, numerics)
+    flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)
 
     width, speed, viscosity = units

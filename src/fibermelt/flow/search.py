@@ -42,6 +42,10 @@ SETTLED = 1e-3
 MAX_STEPS = 12
 """A fine mesh needs 4 or 5 steps; more than twice that is a failure."""
 
+CHORD_SHRINKAGE = 0.2
+"""A step's factors serve for the next if it was less than this part of the one before (the first: of a
+width): a new factorisation costs as much as eight steps with the old."""
+
 FIRST_RATE, LAST_RATE = 1.0, 0.2
 """Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
 
@@ -110,15 +114,19 @@ class SurfaceSearch:
         boundaries = _boundaries(self.problem, self.nozzle)
         return FreeSurfaceFlow(mesh, boundaries, numerics.order)
 
-    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0) -> Step:
+    def tell(self, line: str) -> None:
+        """Pass a line of progress on."""
+        if self.progress is not None:
+            self.progress(line)
+
+    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0, reuse: bool = False) -> Step:
         """Take one step on the mesh, and tell."""
-        step = flow.step(rate)
+        step = flow.step(rate, reuse)
         self.newton_steps += 1
         kind = "Newton step" if rate == 0 else f"time step of {1 / rate:.2g} W/V"
+        kind = "chord step" if reuse else kind
         cut = "" if step.fraction == 1.0 else f", {step.fraction:.0%} taken"
-        if self.progress is None:
-            return step
-        self.progress(
+        self.tell(
             f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), {kind} "
             f"{self.newton_steps}: residual {step.residual:.1e}, surface moves {step.size:.1e} "
             f"widths{cut}"
@@ -164,14 +172,20 @@ class SurfaceSearch:
         raise self._no_steady_surface(surfaces)
 
     def converge(
-        self, surfaces: Surfaces, numerics: FlowNumerics
+        self, surfaces: Surfaces, numerics: FlowNumerics, chords: bool = False
     ) -> tuple[FreeSurfaceFlow, Surfaces]:
-        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces."""
+        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces.
+
+        With ``chords`` a factorisation serves on while every step is a small part of the last.
+        """
         flow = self.start(surfaces, numerics)
+        reuse, last = False, 1.0
         for _ in range(MAX_STEPS):
-            step = self.step(flow)
+            step = self.step(flow, reuse=reuse)
             if step.size < numerics.tolerance and step.fraction == 1.0:
                 return flow, self.surfaces(flow)
+            reuse = chords and step.fraction == 1.0 and step.size < CHORD_SHRINKAGE * last
+            last = step.size
         x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
         msg = (
             f"deposition flow: the surface still moves {step.size:.1e} capillary widths after "
