@@ -9,7 +9,8 @@ Keys of the table are keys of a study, in quotes; keys that are joined by commas
     "melt.viscosity" = { mean = "817 Pa s", std = "80 Pa s" }
     design = "grid"
 
-A range or a distribution is sampled where the design is a Latin hypercube or a Sobol sequence.
+A range or a distribution is sampled where the design is a Latin hypercube, a Sobol sequence, or
+Saltelli's scheme, that gives first and total Sobol indices.
 """
 
 from __future__ import annotations
@@ -31,15 +32,18 @@ from fibermelt.units import parse
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
 
-__all__ = ["MOST_CASES", "Axis", "Case", "Sweep", "read_sweep"]
+__all__ = ["MOST_CASES", "SAMPLED", "SETTINGS", "Axis", "Case", "Sweep", "read_sweep"]
 
-Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol"]
+Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol", "saltelli"]
 DESIGNS: tuple[str, ...] = get_args(Design)
+SAMPLED = ("latin-hypercube", "sobol", "saltelli")
+"""Designs whose cases are samples of distributions."""
 
 MOST_CASES = 1_000_000
 """Cases of a sweep: beyond, a count was meant otherwise."""
 
 SETTINGS = ("design", "samples", "seed")
+"""Keys of the table that are no parameters."""
 ENDS = frozenset(("from", "to", "count"))
 DISTRIBUTIONS = {
     frozenset(("mean", "std")): "normal",
@@ -125,7 +129,9 @@ class Sweep:
         What varies.
     design : str
         ``"grid"``: every combination; ``"one-at-a-time"``: the study itself, then each value with
-        all else as in the study; ``"latin-hypercube"`` and ``"sobol"``: samples.
+        all else as in the study; ``"latin-hypercube"`` and ``"sobol"``: samples; ``"saltelli"``:
+        for each sample a block of cases, as many as there are axes and two (Saltelli et al.,
+        Comput. Phys. Commun. 181, 2010, 259-270).
     samples : int
         Number of samples.
     seed : int
@@ -144,7 +150,10 @@ class Sweep:
         counts = tuple(len(axis.values) for axis in self.axes)
         if self.design == "grid":
             return counts
-        return (1 + sum(counts),) if self.design == "one-at-a-time" else (self.samples,)
+        if self.design == "one-at-a-time":
+            return (1 + sum(counts),)
+        block = len(self.axes) + 2 if self.design == "saltelli" else 1
+        return (self.samples * block,)
 
     @property
     def count(self) -> int:
@@ -197,7 +206,13 @@ class Sweep:
         }
 
     def _samples(self) -> Any:
-        """Return points of the unit cube, (samples, axes)."""
+        """Return points of the unit cube, (cases, axes)."""
+        if self.design == "saltelli":
+            from SALib.sample import sobol  # type: ignore[import-untyped]  # noqa: PLC0415  no types; lazy: 0.6 s
+
+            names = [axis.name for axis in self.axes]
+            cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+            return sobol.sample(cube, self.samples, calc_second_order=False, seed=self.seed)
         from scipy.stats import qmc  # noqa: PLC0415  lazy: most sweeps are grids
 
         if self.design == "latin-hypercube":
@@ -270,7 +285,7 @@ def _whole(table: Mapping[str, Any], name: str, default: int) -> int:
 
 def _fits(sweep: Sweep) -> None:
     """Refuse a design that does not go with what varies, and a sweep without end."""
-    sampled = sweep.design in ("latin-hypercube", "sobol")
+    sampled = sweep.design in SAMPLED
     for axis in sweep.axes:
         if sampled and not axis.distribution:
             msg = (
@@ -281,11 +296,18 @@ def _fits(sweep: Sweep) -> None:
         if not sampled and not axis.values:
             msg = (
                 f'sweep."{axis.name}": a distribution is sampled: take design = '
-                '"latin-hypercube" or "sobol" with a number of samples'
+                '"latin-hypercube", "sobol" or "saltelli" with a number of samples'
             )
             raise ConfigError(msg)
     if sampled and sweep.samples < 1:
         msg = f'sweep.samples = {sweep.samples}: design = "{sweep.design}" needs at least one'
+        raise ConfigError(msg)
+    if sweep.design == "saltelli" and sweep.samples.bit_count() != 1:
+        below = 1 << (sweep.samples.bit_length() - 1)
+        msg = (
+            f"sweep.samples = {sweep.samples}: a Saltelli design needs a power of two, such as "
+            f"{below} or {2 * below}; each is a block of {len(sweep.axes) + 2} cases"
+        )
         raise ConfigError(msg)
     if sweep.count > MOST_CASES:
         msg = f"sweep: {sweep.count} cases, at most {MOST_CASES}: take fewer values, or samples"
