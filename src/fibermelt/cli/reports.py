@@ -16,15 +16,25 @@ __all__ = ["report"]
 
 def report(
     directory: Annotated[
-        str, typer.Argument(metavar="DIR", help="A results folder that `fibermelt run` wrote.")
+        str,
+        typer.Argument(metavar="DIR", help="A results folder of `fibermelt run` or `sweep`."),
     ],
     as_json: JsonOption = False,
 ) -> None:
-    """Write the report of a finished run: one HTML file that needs nothing else."""
+    """Write the report of a finished run or of a sweep: one HTML file that needs nothing else."""
     with told():
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
+        from fibermelt.report.sweep_page import write_sweep_report  # noqa: PLC0415
 
-        path = write_report(Path(directory))
-        size = path.stat().st_size
-        shown = legible(str(path), len(str(path)))
-        say(json.dumps({"report": str(path), "bytes": size}) if as_json else shown)
+        folder = Path(directory)
+        is_sweep = (folder / "sweep.json").exists()
+        is_run = (folder / "stages" / "outputs.json").exists() or not is_sweep
+        path = write_report(folder) if is_run else write_sweep_report(folder)
+        answer: dict[str, str | int] = {"report": str(path), "bytes": path.stat().st_size}
+        lines = [legible(str(path), len(str(path)))]
+        if is_sweep and is_run:
+            # A run into the folder of a sweep has the name report.html for itself.
+            beside = write_sweep_report(folder)
+            answer["sweep_report"] = str(beside)
+            lines.append(legible(str(beside), len(str(beside))))
+        say(json.dumps(answer) if as_json else "\n".join(lines))

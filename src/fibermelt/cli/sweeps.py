@@ -156,7 +156,13 @@ def _go(
                 f"interrupted: finished cases are kept, fibermelt resume {folder} goes on", err=True
             )
             raise typer.Exit(INTERRUPTED) from None
+        # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
+        from fibermelt.report.sweep_page import write_sweep_report  # noqa: PLC0415
+
+        path = write_sweep_report(folder)
+        if not as_json:
+            say(f"report          {_shown(path)}")
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:

@@ -21,7 +21,7 @@ from fibermelt.report.plates import Plate
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Embedded", "embed_figures"]
+__all__ = ["Embedded", "embed_figures", "embed_plates"]
 
 FIGURE_BUDGET = 4_000_000
 """Bytes that all figures together may take: the rest of the 5 MB is for the other sections."""
@@ -79,6 +79,23 @@ def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None)
     files = dict(drawn or {})
     if not files.keys() >= set(names):
         files = _draw(results)
+    return embed_plates(plates, results, files)
+
+
+def embed_plates(
+    plates: Sequence[Plate], results: xr.Dataset, files: Mapping[str, bytes]
+) -> list[Embedded]:
+    """Return figures that were drawn, ready to stand in a page, as `embed_figures` does.
+
+    Parameters
+    ----------
+    plates : sequence of Plate
+        The figures.
+    results : xarray.Dataset
+        What they were drawn from.
+    files : mapping
+        Each as SVG and as PNG, by file name.
+    """
     sources = _within_budget(plates, files)
     return [_embedded(plate, results, files, sources[plate.name]) for plate in plates]
 

@@ -1,0 +1,176 @@
+"""The page of a sweep: what it tells of cases and claims, and that it is one file and no more."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, VISCOSITY, made_up, sampled
+
+from fibermelt.report.sweep_page import render_sweep
+from fibermelt.study.claims import claims
+from fibermelt.study.sweep_claims import swept_claims
+from fibermelt.study.sweep_table import sweep_table
+
+PARABOLA = next(one for one in claims() if one.id == "parabola")
+BOUND = PARABOLA.at_most
+EMPTY = {"meta", "link", "img", "br"}
+
+
+def by_gap(point):
+    """Hold for gaps up to 3 mm."""
+    return 0.5 * BOUND if point[GAP] <= 3.1e-3 else 2 * BOUND
+
+
+def by_both(point):
+    """Hold for a narrow gap and a thin melt only."""
+    return 0.5 * BOUND if point[GAP] < 2.6e-3 and point[VISCOSITY] < 500 else 2 * BOUND
+
+
+def always(point):
+    return 0.5 * BOUND
+
+
+def never(point):
+    return 2 * BOUND
+
+
+def finding(tmp_path, text, function, failed=()):
+    collected = made_up(tmp_path, text, NUMBERS, failed, {"parabola": function})
+    found = swept_claims(collected, sweep_table(collected))
+    return next(one.finding for one in found if one.claim.id == "parabola")
+
+
+@pytest.mark.parametrize(
+    ("text", "function", "expected"),
+    [
+        (GRID, always, "holds throughout"),
+        (GRID, never, "differs throughout"),
+        (GRID, by_gap, "depends on gap"),
+        (GRID, by_both, "depends on gap, viscosity"),
+        (ONE_AT_A_TIME, by_gap, "depends on gap"),
+        (ONE_AT_A_TIME, always, "holds throughout"),
+        (sampled("latin-hypercube", 4), always, "holds throughout"),
+        (GRID, lambda point: float("nan"), "cannot be judged"),
+        (
+            GRID,
+            lambda point: float("nan") if point[GAP] > 3.1e-3 else 0.5 * BOUND,
+            "holds where it can be judged (4 of 6 cases)",
+        ),
+    ],
+)
+def test_what_a_claim_depends_on_follows_from_its_values(tmp_path, text, function, expected):
+    assert finding(tmp_path, text, function) == expected
+
+
+def test_samples_do_not_tell_what_a_claim_depends_on(tmp_path):
+    told = finding(tmp_path, sampled("latin-hypercube", 8), by_gap)
+    assert re.fullmatch(r"holds in [1-7] of 8 cases", told)
+
+
+def test_a_failed_case_says_nothing_of_a_claim(tmp_path):
+    # Without the two cases at 4 mm it holds in all that have an answer.
+    assert finding(tmp_path, GRID, by_gap, failed={4, 5}) == "holds throughout"
+    assert finding(tmp_path, GRID, by_gap, failed=set(range(6))) == "no case has an answer"
+
+
+def test_two_changes_at_once_are_no_dependence(tmp_path):
+    # Left are 2.5 mm with 400 Pa s, where it holds, and 4 mm with 800 Pa s, where it does not.
+    told = finding(tmp_path, GRID, by_gap, failed={1, 2, 3, 4})
+    assert told == "holds in 1 of 2 cases"
+
+
+class Reader(HTMLParser):
+    """Reads a page: its addresses, its words, and that every element that opens is closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.addresses, self.names, self.words = [], [], [], []
+        self.cells, self.alts = [], []
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.addresses += [given[key] for key in ("src", "href") if key in given]
+        self.names += [given["id"]] if "id" in given else []
+        if tag == "img":
+            self.alts.append(given["alt"])
+        if tag not in EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if not {"style", "script"} & set(self.open):
+            self.words.append(data)
+
+
+def read(page):
+    reader = Reader()
+    reader.feed(page.decode())
+    reader.close()
+    assert reader.open == []
+    return reader, re.sub(r"\s+", " ", " ".join(reader.words))
+
+
+def page_of(tmp_path, text=GRID, failed=(), function=by_gap):
+    return render_sweep(made_up(tmp_path, text, NUMBERS, failed, {"parabola": function}))
+
+
+def test_the_page_needs_nothing_else_and_is_the_same_each_time(tmp_path):
+    page = page_of(tmp_path)
+    reader, _ = read(page)
+    assert all(address.startswith(("data:", "#")) for address in reader.addresses)
+    assert all(address[1:] in reader.names for address in reader.addresses if address[0] == "#")
+    assert len(set(reader.names)) == len(reader.names)
+    assert all(reader.alts)
+    assert b"<script" not in page
+    assert page_of(tmp_path) == page
+
+
+def test_the_page_says_what_varied_and_why_cases_failed(tmp_path):
+    _, words = read(page_of(tmp_path, failed={5}))
+    assert "3 × 2 cases: every combination." in words
+    assert "2.5, 3, 4" in words
+    assert "5 of 6 cases have an answer, 1 failed." in words
+    assert "gap 4 mm, viscosity 800 Pa s no steady surface; try a larger gap" in words
+
+
+def test_verdicts_have_a_word_for_who_does_not_see_the_sign(tmp_path):
+    page = page_of(tmp_path, ONE_AT_A_TIME)
+    assert page.decode().count('<span class="heard">holds</span>') == 5
+    assert page.decode().count('<span class="heard">differs</span>') == 1
+    _, words = read(page)
+    assert "0 hold throughout, 0 differ throughout, 1 depend on what varied" in words
+    assert "depends on gap" in words
+    # What no case can judge stands apart, with the reason.
+    assert f"{len(claims()) - 1} statements that no case can judge" in words
+
+
+def test_many_cases_share_columns(tmp_path):
+    text = f'"{GAP}" = ["2.5 mm", "4 mm"]\n"{VISCOSITY}" = {{ from = 400, to = 800, count = 10 }}'
+    _, words = read(page_of(tmp_path, text, function=by_both))
+    assert "3 of 10 hold" in words
+
+
+def test_a_number_in_the_store_turns_the_verdict(tmp_path):
+    before, after = (read(page_of(tmp_path, function=one))[1] for one in (always, never))
+    assert "holds throughout" in before
+    assert "holds throughout" not in after
+    assert "differs throughout" in after
+
+
+def test_what_a_file_says_is_no_markup(tmp_path):
+    collected = made_up(tmp_path, GRID, NUMBERS, failed={0})
+    collected["reason"][0, 0] = "<script>alert(1)</script>"
+    collected.attrs["title"] = "fibermelt sweep <b>bold</b>"
+    page = render_sweep(collected)
+    assert b"<script" not in page
+    assert b"&lt;b&gt;bold" in page
+
+
+def test_samples_have_quantiles_and_one_column(tmp_path):
+    _, words = read(page_of(tmp_path, sampled("sobol", 16)))
+    assert "Quantiles of the responses over the cases" in words
+    assert "all 16 cases" in words
+    assert "16 cases: samples of a Sobol sequence, seed 3." in words
+    assert "low 2.5 mm, high 4 mm" in words
