@@ -7,10 +7,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper test lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
+	@echo "make paper-sensitivity"
+	@echo "                sweep the nozzle's dimensions, which the paper does not print (11 cases)"
 	@echo "make test       run all tests"
 	@echo "make lint       check style"
 	@echo "make types      check types"
@@ -36,6 +38,10 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 paper: $(VENV)/.installed
 	$(BIN)/fibermelt run paper --out results/paper
 	@echo "Look at results/paper/figures, and at the numbers in results/paper/summary.json."
+
+paper-sensitivity: $(VENV)/.installed
+	$(BIN)/fibermelt sweep nozzle --out results/nozzle
+	@echo "Look at results/nozzle/report.html: which claims hold throughout, which depend on what."
 
 test: $(VENV)/.installed-test
 	$(BIN)/python -m pytest

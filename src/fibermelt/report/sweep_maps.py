@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["map_words", "maps_there", "sweep_maps"]
 
 ACROSS = 3
-LEFT, WIDE, TALL, STEP, RISE, FOOT = 14.0, 46.0, 36.0, 61.0, 56.0, 12.0
+LEFT, WIDE, TALL, STEP, RISE, FOOT = 17.0, 46.0, 36.0, 60.0, 56.0, 12.0
 """Maps side by side, where the first stands, their size and their distances [mm]."""
 
 WRITTEN = 6
@@ -56,7 +56,7 @@ def sweep_maps(collected: xr.Dataset) -> Figure:
     """
     table = sweep_table(collected)
     rows = -(-len(table.varying) // ACROSS)
-    figure = new_figure(FULL, FOOT + RISE * rows - 4)
+    figure = new_figure(FULL, FOOT + RISE * rows - 12)
     for place, response in enumerate(table.varying):
         row, column = divmod(place, ACROSS)
         bottom = FOOT + (rows - 1 - row) * RISE
@@ -112,7 +112,7 @@ def _ticks(axes: Axes, varied: Varied, values: Array, *, is_upright: bool) -> No
     step = -(-len(values) // WRITTEN)
     places = list(range(0, len(values), step))
     texts = [
-        varied.labels[int(values[k])][:10] if varied.labels else f"{values[k]:.3g}" for k in places
+        varied.labels[int(values[k])][:10] if varied.labels else f"{values[k]:.4g}" for k in places
     ]
     (axes.set_yticks if is_upright else axes.set_xticks)(places, texts)
 

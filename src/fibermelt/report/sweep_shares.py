@@ -93,10 +93,10 @@ def _distribution(axes: Axes, response: Response) -> None:
         axes.annotate(
             number(float(value), 3),
             (value, 100 * level),
-            xytext=(3, -2 if level > LEVELS[0] else 3),
+            xytext=(5, -1),
             textcoords="offset points",
             fontsize=6.5,
-            va="top" if level > LEVELS[0] else "bottom",
+            va="center" if level == LEVELS[0] else "top",
         )
     axes.set_ylim(0, 100)
     axes.set_yticks([5, 50, 95])
