@@ -20,8 +20,8 @@ from fibermelt.report.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_
 from fibermelt.report.style import styled as in_style
 from fibermelt.report.sweep_maps import map_words, maps_there, sweep_maps
 from fibermelt.report.sweep_shares import (
+    all_indices,
     index_words,
-    indices_there,
     quantile_words,
     sweep_indices,
     sweep_quantiles,
@@ -234,12 +234,14 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     """
     table = sweep_table(collected)
     found: list[Plate] = []
+    draw: Callable[[xr.Dataset], Figure]
+    words: Callable[[xr.Dataset], Words]
     if _is_window(collected):
         found.append(Plate("window", "The process window", figure_window, window_words))
     if table.varying:
         for first in range(0, len(table.axes), ACROSS):
-            draw: Callable[[xr.Dataset], Figure] = partial(sweep_effects, first=first)
-            words: Callable[[xr.Dataset], Words] = partial(effects_words, first=first)
+            draw = partial(sweep_effects, first=first)
+            words = partial(effects_words, first=first)
             more = f", from {table.axes[first].title} on" if first else ""
             name = f"effects-{first // ACROSS + 1}" if first else "effects"
             found.append(Plate(name, f"Main effects{more}", draw, words))
@@ -247,8 +249,10 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
         found.append(Plate("maps", "Responses over both parameters", sweep_maps, map_words))
     if table.is_sampled and table.varying:
         found.append(Plate("quantiles", "Spread of the responses", sweep_quantiles, quantile_words))
-    if indices_there(table):
-        found.append(Plate("indices", "What the spread is due to", sweep_indices, index_words))
+    if indices := all_indices(table):
+        draw = partial(sweep_indices, found=indices)
+        words = partial(index_words, found=indices)
+        found.append(Plate("indices", "What the spread is due to", draw, words))
     return tuple(found)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,8 +40,8 @@ if TYPE_CHECKING:
     from fibermelt.study.sweep_responses import Response
 
 __all__ = [
+    "all_indices",
     "index_words",
-    "indices_there",
     "quantile_words",
     "sweep_indices",
     "sweep_quantiles",
@@ -124,28 +126,34 @@ def quantile_words(collected: xr.Dataset) -> Words:
     )
 
 
-def _all_indices(table: SweepTable) -> list[tuple[Response, Indices]]:
-    """Return the responses whose indices the sweep can give, with these."""
+Found = Sequence[tuple["Response", Indices]]
+"""Responses with their indices."""
+
+
+def all_indices(table: SweepTable) -> Found:
+    """Return the responses whose indices the sweep can give, with these; none of one parameter."""
+    if not table.is_sampled or len(table.axes) == 1:
+        return []
     found = [(one, sobol_indices(table, one)) for one in table.varying]
     return [(one, indices) for one, indices in found if indices is not None]
 
 
-def indices_there(table: SweepTable) -> bool:
-    """Tell whether a sweep gives indices of any response."""
-    return table.is_sampled and len(table.axes) > 1 and bool(_all_indices(table))
-
-
-@in_style
-def sweep_indices(collected: xr.Dataset) -> Figure:
+def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:
     """Draw the Sobol indices of each response, with half 95 % intervals.
 
     Parameters
     ----------
     collected : xarray.Dataset
         A collected sweep whose design gives them.
+    found : sequence of (Response, Indices), optional
+        What `all_indices` found in it; it saves the time to find it.
     """
+    return in_style(partial(_draw_indices, found=found))(collected)
+
+
+def _draw_indices(collected: xr.Dataset, found: Found | None) -> Figure:
     table = sweep_table(collected)
-    found = _all_indices(table)
+    found = found or all_indices(table)
     rows, tall = -(-len(found) // ACROSS), LINE * len(table.axes) + 4
     rise = tall + 18
     figure = new_figure(FULL, rise * rows + 8)
@@ -195,10 +203,10 @@ def _key(indices: Indices) -> list[Line2D]:
     return handles
 
 
-def index_words(collected: xr.Dataset) -> Words:
+def index_words(collected: xr.Dataset, found: Found | None = None) -> Words:
     """Return caption and alternative text of `sweep_indices`; the method is part of the caption."""
     table = sweep_table(collected)
-    found = _all_indices(table)
+    found = found or all_indices(table)
     methods = {
         "saltelli": (
             "first-order index, the share of a response's variance that goes when a parameter is "
