@@ -96,7 +96,7 @@ def _closed_form(values: Mapping[str, Value]) -> bool:
 
 CHAIN = Chain(
     stages=(
-        Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
+        Stage("flow", 2, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
         ),
