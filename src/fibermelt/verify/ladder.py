@@ -100,12 +100,15 @@ class Rung:
         Returns their numbers, in the same order.
     quick : bool
         Whether it is part of the quick ladder: a second or so.
+    brief : bool
+        Whether it is also part of the brief one, which a study stores: all of it in six seconds.
     """
 
     subject: str
     expected: tuple[Expectation, ...]
     measure: Callable[[], Sequence[float]]
     quick: bool
+    brief: bool = False
 
 
 def below(

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from fibermelt.verify import (
+    closures,
+    distribution,
     fiber_cell,
     fiber_fields,
     fiber_forms,
     fiber_motion,
     flow,
     free_surface,
+    orientation,
+    voids,
 )
 from fibermelt.verify.ladder import Rung
 
@@ -19,6 +23,10 @@ LADDER: tuple[Rung, ...] = (
     *fiber_fields.RUNGS,
     *fiber_motion.RUNGS,
     *fiber_cell.RUNGS,
+    *closures.RUNGS,
+    *distribution.RUNGS,
+    *orientation.RUNGS,
+    *voids.RUNGS,
     *free_surface.RUNGS,
     *flow.RUNGS,
 )
