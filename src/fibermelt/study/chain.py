@@ -39,8 +39,14 @@ from fibermelt.study.sensitivity_summary import (
 )
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
+from fibermelt.study.verification_stage import verification_stage
+from fibermelt.study.verification_summary import (
+    summarize_verification,
+    verification_in_words,
+)
 from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage, with_orientation
 from fibermelt.study.void_summary import summarize_voids, voids_in_words
+from fibermelt.verify.ladder import LADDER_VERSION
 
 if TYPE_CHECKING:
     from fibermelt.study.parameters import Value
@@ -146,6 +152,7 @@ CHAIN = Chain(
             dimensions_stage,
             inputs_if=_from_content,
         ),
+        Stage("verification", LADDER_VERSION, ("study.ladder",), (), verification_stage),
         Stage(
             "claims", 1, CLAIM_TABLES, (), claims_stage, inputs_if=fed_by_parts, light_if=_always
         ),
@@ -159,6 +166,7 @@ CHAIN = Chain(
         Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("voids", ("voids",), summarize_voids, voids_in_words),
+        Part("verification", ("verification",), summarize_verification, verification_in_words),
         Part("claims", ("claims",), summarize_claims, claims_in_words),
     ),
     version=2,
