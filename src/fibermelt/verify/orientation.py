@@ -220,7 +220,7 @@ RUNGS = (
                 "Newton steps at the C_I asked for, the most of these states.",
                 DEUFLHARD,
                 10.0,
-                "quadratic from a predicted start: a handful; more means a wrong Jacobian",
+                "quadratic from a predicted start takes a handful; twice that is not quadratic",
             ),
             below(
                 "steady state: end of a long history",
@@ -251,7 +251,7 @@ RUNGS = (
                 "Newton steps at the C_I asked for, the most of these 120 states.",
                 DEUFLHARD,
                 10.0,
-                "quadratic from a predicted start: a handful; more means a wrong Jacobian",
+                "quadratic from a predicted start takes a handful; twice that is not quadratic",
             ),
         ),
         _every_state,

@@ -11,6 +11,7 @@ from fibermelt.verify import (
     fiber_motion,
     flow,
     free_surface,
+    models,
     orientation,
     voids,
 )
@@ -25,6 +26,7 @@ LADDER: tuple[Rung, ...] = (
     *fiber_cell.RUNGS,
     *closures.RUNGS,
     *distribution.RUNGS,
+    *models.RUNGS,
     *orientation.RUNGS,
     *voids.RUNGS,
     *free_surface.RUNGS,
