@@ -302,6 +302,14 @@ class Streamlines(Section):
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
     points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
+    features: tuple[int, ...] = setting(
+        [4, 10, 18],
+        "Streamlines that are looked at one by one; where there are none of these numbers, those "
+        "of the same share of the flux as the paper's.",
+        ge=1,
+        le=1000,
+        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+    )
 
 
 class Interaction(Section):
