@@ -13,6 +13,8 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import ngsolve as ng
@@ -21,6 +23,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
 from fibermelt.flow.dieswell import solve_die_swell
+from fibermelt.flow.start import StartShape
 
 SWELL = 1.18669
 """Limit of the P3 sequence at first order of the lip's edge; 1.1867 in the literature."""
@@ -33,6 +36,42 @@ PEER_PYTHON = Path(os.environ.get("FIBERMELT_PEER_PYTHON", PEER / ".venv" / "bin
 def test_deposition_flow_from_cold(benchmark: BenchmarkFixture, problem: fm.Deposition) -> None:
     flow = benchmark.pedantic(lambda: fm.solve_deposition(problem), rounds=3, warmup_rounds=1)
     benchmark.extra_info |= {"unknowns": flow.unknowns, "newton_steps": flow.newton_steps}
+
+
+NEIGHBOURS = (0.9, 1.05, 1.2)
+"""Gap and bed speed of a neighbour over those of the flow that it starts from."""
+
+
+def test_deposition_flow_from_a_neighbour(
+    benchmark: BenchmarkFixture, problem: fm.Deposition
+) -> None:
+    """Warm against cold, each in processor time and one thread, best of two, over neighbours."""
+    ng.SetNumThreads(1)
+    solved = fm.solve_deposition(problem)
+    start = StartShape(solved.upstream_surface, solved.downstream_surface)
+    nozzle = problem.nozzle
+    neighbours = [replace(problem, nozzle=replace(nozzle, gap=k * nozzle.gap)) for k in NEIGHBOURS]
+    neighbours += [replace(problem, bed_speed=k * problem.bed_speed) for k in NEIGHBOURS]
+
+    def cost(neighbour: fm.Deposition, shape: StartShape | None) -> float:
+        times = []
+        for _ in range(2):
+            begun = time.process_time()
+            fm.solve_deposition(neighbour, start=shape)
+            times.append(time.process_time() - begun)
+        return min(times)
+
+    ratios, cold, warm = [], 0.0, 0.0
+    for neighbour in neighbours:
+        one, other = cost(neighbour, None), cost(neighbour, start)
+        cold, warm = cold + one, warm + other
+        ratios.append(round(one / other, 2))
+    print(f"\nwarm start: {cold / warm:.2f} times faster than cold, each {ratios}")
+    benchmark.extra_info |= {"times_faster_than_cold": cold / warm, "each": ratios}
+    benchmark.pedantic(
+        lambda: fm.solve_deposition(neighbours[1], start=start), rounds=2, warmup_rounds=0
+    )
+    ng.SetNumThreads(os.cpu_count())
 
 
 @pytest.mark.parametrize(

@@ -47,13 +47,7 @@ def stored_results(
 ) -> xr.Dataset:
     """Return results as results.nc holds them, study included."""
     bare = made_up(count=count, angles=angles)
-    turn = np.linspace(0.0, 1.0, bare.sizes["point"])
-    angle = np.broadcast_to(
-        bare["initial_angle"].to_numpy()[None, :, None] + turn, (count, angles, len(turn))
-    )
     more: dict[str, Any] = {
-        "angle": angle,
-        "zone_angle": angle[..., :3],
         "bead_height": 3e-3,
         "contact_point_error": 2e-6,
         "mass_imbalance": 1e-10,
@@ -66,7 +60,7 @@ def stored_results(
         "tip_pressure": 2 * ASPECT,
         "tip_pressure_error": 1e-4,
     }
-    results = bare.merge(labelled(more))
+    results = bare.assign(labelled({name: more[name] for name in more if name not in bare}))
     results.attrs = {
         "title": f"fibermelt study {name}",
         "schema": SCHEMA,

@@ -4,20 +4,36 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.study.chain import CHAIN
 from fibermelt.study.claims import (
     QUANTITIES,
+    STAGES_OF,
     Claim,
+    Judgement,
     claims,
     claims_in_words,
-    judge,
+    claims_stage,
+    fed_by_parts,
+    measured,
     summarize_claims,
 )
+from fibermelt.study.claims import judge as judged
 from fibermelt.study.loading import load_study
+from fibermelt.study.parameters import flatten
+from fibermelt.study.stages import Parameters
 from fibermelt.study.toml import resolved_toml
 
 EVERY = {claim.id: claim for claim in claims()}
+
+
+def judge(claim: Claim, results: xr.Dataset) -> Judgement:
+    return judged(claim, *measured(claim, results))
+
+
+PARAMETERS = Parameters(flatten(load_study("paper").config))
 
 
 @pytest.fixture
@@ -93,7 +109,8 @@ def test_another_number_of_streamlines_is_not_the_papers(results):
 
 
 def test_every_number_is_finite_and_the_table_complete(results):
-    summary = summarize_claims(results)
+    found = claims_stage(PARAMETERS, {"motion": results.drop_attrs(deep=False)}, print)
+    summary = summarize_claims(found)
     assert [one["id"] for one in summary["claims"]] == list(EVERY)
     for claim in claims():
         value = judge(claim, results).value
@@ -102,3 +119,19 @@ def test_every_number_is_finite_and_the_table_complete(results):
     assert all(any(line.startswith(name) for line in lines) for name in EVERY)
     tally = lines[-1].removeprefix("claims").split(",")
     assert sum(int(part.split()[0]) for part in tally) == len(EVERY)
+
+
+def test_a_stored_value_turns_the_verdict_of_a_study(results):
+    found = claims_stage(PARAMETERS, {"motion": results.drop_attrs(deep=False)}, print)
+    place = found["claim"].to_numpy().tolist().index("loc1-level")
+    for value, verdict in ((-0.5, "holds"), (-0.4, "differs"), (math.nan, "cannot be judged")):
+        found["claim_value"][place] = value
+        summary = summarize_claims(found)
+        assert summary["claims"][place]["verdict"] == verdict
+
+
+def test_claims_are_fed_by_the_parts_that_a_study_has():
+    assert fed_by_parts({"study.parts": ("claims",)}) == ()
+    assert fed_by_parts({"study.parts": ("bead", "voids")}) == ("streamlines", "motion", "voids")
+    names = {stage.name for stage in CHAIN.stages}
+    assert {name for fed in STAGES_OF.values() for name in fed} < names

@@ -12,6 +12,7 @@ from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.reports import report
 from fibermelt.cli.studies import defaults, run, validate
+from fibermelt.cli.sweeps import clean, collect, plan, resume, status, sweep
 from fibermelt.cli.versions import options, version
 from fibermelt.cli.voids import voids
 
@@ -26,6 +27,7 @@ app = typer.Typer(
 app.callback()(options)
 COMMANDS = (
     *(run, report, voids, validate, defaults),
+    *(plan, sweep, status, resume, collect, clean),
     *(orbit, orientation, domain_size),
     *(verify, version),
 )

@@ -17,7 +17,7 @@ from fibermelt.cli.common import (
     say,
     told,
 )
-from fibermelt.errors import StoreError, legible
+from fibermelt.errors import ConfigError, StoreError, legible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,6 +46,12 @@ def run(
         from fibermelt.study.runner import run_study  # noqa: PLC0415
 
         resolved = load_study(study, sets or [])
+        if resolved.sweep is not None:
+            msg = (
+                f"{legible(study, len(study))}: has a table [sweep], and so is many studies: use "
+                "fibermelt sweep, or fibermelt plan to see its cases"
+            )
+            raise ConfigError(msg)
         folder = _folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
             shown = legible(str(folder), len(str(folder)))

@@ -1,4 +1,4 @@
-"""The steady deposition flow from cold: find the surfaces coarsely, then solve finely.
+"""The steady deposition flow: find the surfaces coarsely or start from a neighbour's, solve finely.
 
 A coarse mesh finds the free surfaces in a few cheap meshes, whatever the first guess; each finer
 mesh starts from the surfaces of the one before and needs four or five Newton steps.
@@ -6,19 +6,21 @@ mesh starts from the surfaces of the one before and needs four or five Newton st
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConvergenceError
+from fibermelt.errors import ConvergenceError, MeshError
+from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.mesh import Surfaces
 from fibermelt.flow.problem import Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
 from fibermelt.flow.search import Progress, SurfaceSearch
+from fibermelt.flow.start import StartShape, surfaces_from
 
 __all__ = ["FlowError", "FlowSolution", "solve_deposition"]
 
@@ -26,6 +28,10 @@ Array = NDArray[np.float64]
 
 MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
+
+ROUGH_TOLERANCE = 1e-5
+"""Last step on the middle mesh [widths] that a warm start asks for: a chord step leaves a fifth
+of it, and the error that the mesh is there to estimate is 1e-4."""
 
 LARGEST_ERROR = 0.02
 """Estimated error of the contact point [widths] above which there is no answer to speak of."""
@@ -71,7 +77,7 @@ class FlowSolution:
     kinematic_residual : float
         Root mean square of ``u.n`` over the free surfaces, in bed speeds.
     newton_steps : int
-        Coupled Newton steps in all, on all meshes.
+        Steps in all, on all meshes; chord steps (with an old matrix) count as steps.
     unknowns, elements : int
         Of the last mesh.
     error : FlowError
@@ -134,6 +140,7 @@ def solve_deposition(
     problem: Deposition,
     numerics: FlowNumerics | None = None,
     progress: Progress | None = None,
+    start: StartShape | None = None,
 ) -> FlowSolution:
     """Solve the steady free-surface flow of a melt deposited on a moving bed (Eq. 1-4, Fig. 2a).
 
@@ -145,11 +152,15 @@ def solve_deposition(
         Order, mesh edges, tolerance.
     progress : callable, optional
         Receives a line of text after every Newton step.
+    start : StartShape, optional
+        Surfaces of a solved neighbour. They take the place of the search on coarse meshes; if they
+        lead nowhere the search begins from cold. The answer is the same within its stated error.
 
     Raises
     ------
     ConvergenceError
-        If there is no steady surface (too small a gap), the melt climbs above the upstream lip,
+        If there is no steady surface (too small a gap, or a bed so fast that the surface would
+        pass under it), the melt climbs above the upstream lip,
         or Newton does not reach the tolerance.
     MeshError
         If the mesh cannot be made as asked for.
@@ -161,13 +172,28 @@ def solve_deposition(
     """
     numerics = FlowNumerics() if numerics is None else numerics
     search = SurfaceSearch(problem, progress)
-    surfaces = search.find_surfaces(numerics.contact_guess)
+    if start is not None:
+        try:
+            return _finely(search, surfaces_from(start, problem), numerics, chords=True)
+        except (ConvergenceError, MeshError):
+            search.tell("no answer from the neighbour's surfaces: from cold")
+    return _finely(search, cold_surfaces(search, numerics.contact_guess), numerics)
+
+
+def _finely(
+    search: SurfaceSearch, surfaces: Surfaces, numerics: FlowNumerics, chords: bool = False
+) -> FlowSolution:
+    """Return the solution from a guess of its surfaces: on the middle mesh, then on the fine."""
+    problem = search.problem
     _check_climb(problem, surfaces)
-    middle, surfaces = search.converge(surfaces, numerics.coarsened(MIDDLE))
+    rough = numerics.coarsened(MIDDLE)
+    if chords:
+        rough = replace(rough, tolerance=max(rough.tolerance, ROUGH_TOLERANCE))
+    middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
     units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
     coarser = field_of(middle, *units)
-    flow, surfaces = search.converge(surfaces, numerics)
+    flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)
 
     width, speed, viscosity = units

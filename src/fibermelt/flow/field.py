@@ -112,10 +112,11 @@ class FlowField:
         reference = start.copy()
         nodes = self._corners[cell]
         size = np.abs(nodes[:, 1:3] - nodes[:, :1]).sum(axis=(1, 2))
+        left = np.arange(len(xy))
         for _ in range(MAX_NEWTON):
-            values, slopes = self._shape.evaluate(reference)
-            miss = xy - np.einsum("nk,nkd->nd", values, nodes)
-            J = np.einsum("nkr,nkd->ndr", slopes, nodes)
+            values, slopes = self._shape.evaluate(reference[left])
+            miss = xy[left] - np.einsum("nk,nkd->nd", values, nodes[left])
+            J = np.einsum("nkr,nkd->ndr", slopes, nodes[left])
             det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] * J[:, 1, 0]
             move = np.stack(
                 [
@@ -125,8 +126,9 @@ class FlowField:
                 axis=1,
             )
             # a far-away guess is pulled in: the curved map is only good near its triangle
-            reference += np.clip(move / det[:, None], -2.0, 2.0)
-            if np.all(np.abs(miss).max(axis=1) <= 1e-13 * size):
+            reference[left] += np.clip(move / det[:, None], -2.0, 2.0)
+            left = left[np.abs(miss).max(axis=1) > 1e-13 * size[left]]
+            if left.size == 0:
                 break
         return reference
 

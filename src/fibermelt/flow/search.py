@@ -13,7 +13,7 @@ from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 
-__all__ = ["Progress", "SurfaceSearch"]
+__all__ = ["DRAWN_DOWN", "Progress", "SurfaceSearch", "UnderBedError", "coarse_numerics"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -33,6 +33,13 @@ DRAWN_DOWN = 1.25
 MAX_COARSE_MESHES = 20
 """Gaps from 0.83 to 2 bead heights need 2 to 7; the rest is for slow steps of implicit time."""
 
+MAX_DRAWN_MESHES = 5
+"""The same for a melt that is drawn down: what is not found by then takes continuation."""
+
+UNDER_BED = 1e-6
+"""A surface this many widths below the bed before its contact passes through the bed. Its foot
+then lies 0.01 widths from where it touches first, half of the largest error."""
+
 STEPS_A_COARSE_MESH = 4
 """Newton steps before the coarse mesh is made anew on the surfaces found."""
 
@@ -42,6 +49,10 @@ SETTLED = 1e-3
 MAX_STEPS = 12
 """A fine mesh needs 4 or 5 steps; more than twice that is a failure."""
 
+CHORD_SHRINKAGE = 0.2
+"""A step's matrix and factors serve for the next if it was less than this part of the one before
+(the first: of a width): new ones cost as much as eight steps with the old."""
+
 FIRST_RATE, LAST_RATE = 1.0, 0.2
 """Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
 
@@ -50,6 +61,16 @@ OUTLET_MARGIN = 0.5
 
 HOPELESS_CLIMB = 0.5
 """A surface this many widths above the lip has never come back."""
+
+
+class UnderBedError(ConvergenceError):
+    """The steady surface passes under the bed: it is none."""
+
+
+def coarse_numerics(problem: Deposition) -> FlowNumerics:
+    """Return the coarse mesh's numerics, finer for a low bead."""
+    height = problem.mass_balance_height / problem.nozzle.capillary_width
+    return COARSE.coarsened(min(1.0, max(height, THINNEST)))
 
 
 def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
@@ -110,15 +131,19 @@ class SurfaceSearch:
         boundaries = _boundaries(self.problem, self.nozzle)
         return FreeSurfaceFlow(mesh, boundaries, numerics.order)
 
-    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0) -> Step:
+    def tell(self, line: str) -> None:
+        """Pass a line of progress on."""
+        if self.progress is not None:
+            self.progress(line)
+
+    def step(self, flow: FreeSurfaceFlow, rate: float = 0.0, reuse: bool = False) -> Step:
         """Take one step on the mesh, and tell."""
-        step = flow.step(rate)
+        step = flow.step(rate, reuse)
         self.newton_steps += 1
         kind = "Newton step" if rate == 0 else f"time step of {1 / rate:.2g} W/V"
+        kind = "chord step" if reuse else kind
         cut = "" if step.fraction == 1.0 else f", {step.fraction:.0%} taken"
-        if self.progress is None:
-            return step
-        self.progress(
+        self.tell(
             f"mesh {self.meshes} ({flow.mesh.ne} triangles, {flow.unknowns} unknowns), {kind} "
             f"{self.newton_steps}: residual {step.residual:.1e}, surface moves {step.size:.1e} "
             f"widths{cut}"
@@ -141,9 +166,9 @@ class SurfaceSearch:
         """
         rate = 0.0
         surfaces = _first_surfaces(self.problem, self.nozzle, contact_guess)
-        height = self.problem.mass_balance_height / self.problem.nozzle.capillary_width
-        coarse = COARSE.coarsened(min(1.0, max(height, THINNEST)))
-        for _ in range(MAX_COARSE_MESHES):
+        coarse = coarse_numerics(self.problem)
+        drawn = self.problem.nozzle.gap > DRAWN_DOWN * self.problem.mass_balance_height
+        for _ in range(MAX_DRAWN_MESHES if drawn else MAX_COARSE_MESHES):
             try:
                 flow = self.start(surfaces, coarse)
             except MeshError as reason:
@@ -164,24 +189,58 @@ class SurfaceSearch:
         raise self._no_steady_surface(surfaces)
 
     def converge(
-        self, surfaces: Surfaces, numerics: FlowNumerics
+        self, surfaces: Surfaces, numerics: FlowNumerics, chords: bool = False
     ) -> tuple[FreeSurfaceFlow, Surfaces]:
-        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces."""
+        """Return the flow on a fine mesh, converged to the tolerance, and its surfaces.
+
+        With ``chords`` a factorisation serves on while every step is a small part of the last.
+        """
         flow = self.start(surfaces, numerics)
-        for _ in range(MAX_STEPS):
-            step = self.step(flow)
+        reuse, last = False, 1.0
+        for taken in range(1, MAX_STEPS + 1):
+            step = self.step(flow, reuse=reuse)
+            steps = f"{taken} steps"
             if step.size < numerics.tolerance and step.fraction == 1.0:
+                self._check_bed(flow)
                 return flow, self.surfaces(flow)
+            if step.fraction == 0.0:
+                break  # nothing was moved: the next step would be the same
+            reuse = chords and step.fraction == 1.0 and step.size < CHORD_SHRINKAGE * last
+            last = step.size
         x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
         msg = (
             f"deposition flow: the surface still moves {step.size:.1e} capillary widths after "
-            f"{MAX_STEPS} Newton steps on a mesh of {flow.mesh.ne} triangles (bound "
+            f"{steps} on a mesh of {flow.mesh.ne} triangles (bound "
             f"numerics.flow_tolerance = {numerics.tolerance:g}), residual {step.residual:.1e}, "
             f"most of it in the {step.worst_field}; contact at x = {x[-1]:.4g} m, "
             f"heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
             "numerics.contact_edge and numerics.lip_edge"
         )
         raise ConvergenceError(msg)
+
+    def _check_bed(self, flow: FreeSurfaceFlow) -> None:
+        """Raise if the upstream surface passes under the bed before it ends on it."""
+        line = flow.surface("upstream", np.array([-0.5, self.nozzle.gap]))
+        lowest = line[line[:, 1].argmin()] * self.problem.nozzle.capillary_width
+        if line[:, 1].min() < -UNDER_BED:
+            height, gap = self.problem.mass_balance_height, self.problem.nozzle.gap
+            msg = (
+                f"deposition flow: with flow.gap = {gap:g} m and a bead {height:.4g} m high "
+                f"({gap / height:.3g} bead heights) the bed draws the melt so fast that the "
+                f"upstream surface would pass {-lowest[1]:.2g} m under the bed at x = "
+                f"{lowest[0]:.4g} m: no steady surface above the bed; lower flow.bed_speed or "
+                "flow.gap, or raise flow.inlet_speed"
+            )
+            raise UnderBedError(msg)
+
+    def towards(self, problem: Deposition) -> SurfaceSearch:
+        """Return a search for an intermediate problem that tells its progress to the same."""
+        return SurfaceSearch(problem, self.progress)
+
+    def count(self, other: SurfaceSearch) -> None:
+        """Add what another search took."""
+        self.newton_steps += other.newton_steps
+        self.meshes += other.meshes
 
     def _outlet_too_near(self) -> ConvergenceError:
         nozzle, height = self.problem.nozzle, self.problem.mass_balance_height

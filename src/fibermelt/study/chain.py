@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.study.claims import claims_in_words, summarize_claims
+from fibermelt.study.claims import (
+    CLAIM_TABLES,
+    claims_in_words,
+    claims_stage,
+    fed_by_parts,
+    summarize_claims,
+)
 from fibermelt.study.config import FROM_CONTENT
 from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_stage
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
@@ -78,6 +84,16 @@ def _from_content(values: Mapping[str, Value]) -> tuple[str, ...]:
     return ("content",) if values["fiber.domain_size"] == FROM_CONTENT else ()
 
 
+def _always(values: Mapping[str, Value]) -> bool:
+    """Tell that a stage costs less than to store it: milliseconds, or megabytes."""
+    return True
+
+
+def _closed_form(values: Mapping[str, Value]) -> bool:
+    """Tell whether the fiber has no cell to solve: 3 ms, where writing and reading takes 70."""
+    return values["fiber.model"] != "confined-ellipse"
+
+
 CHAIN = Chain(
     stages=(
         Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
@@ -86,7 +102,15 @@ CHAIN = Chain(
         ),
         Stage("stall", 1, ("fiber.aspect_ratio",), (), stall_stage),
         Stage("content", 1, _CONTENT_PARAMETERS, ("stall",), content_stage),
-        Stage("cell", 1, _CELL_PARAMETERS, (), cell_stage, inputs_if=_from_content),
+        Stage(
+            "cell",
+            1,
+            _CELL_PARAMETERS,
+            (),
+            cell_stage,
+            inputs_if=_from_content,
+            light_if=_closed_form,
+        ),
         Stage(
             "motion",
             1,
@@ -94,6 +118,7 @@ CHAIN = Chain(
             ("streamlines", "cell"),
             motion_stage,
             inputs_if=_from_content,
+            light_if=_always,
         ),
         Stage("orientation", 2, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
         Stage(
@@ -103,6 +128,7 @@ CHAIN = Chain(
             ("streamlines", "cell", "motion"),
             voids_stage,
             inputs_if=with_orientation,
+            light_if=_always,
         ),
         Stage(
             "interaction",
@@ -120,6 +146,9 @@ CHAIN = Chain(
             dimensions_stage,
             inputs_if=_from_content,
         ),
+        Stage(
+            "claims", 1, CLAIM_TABLES, (), claims_stage, inputs_if=fed_by_parts, light_if=_always
+        ),
     ),
     parts=(
         Part("bead", ("motion",), summarize_bead, bead_in_words, write_fields),
@@ -130,7 +159,7 @@ CHAIN = Chain(
         Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("voids", ("voids",), summarize_voids, voids_in_words),
-        Part("claims", (), summarize_claims, claims_in_words),
+        Part("claims", ("claims",), summarize_claims, claims_in_words),
     ),
     version=2,
 )

@@ -6,6 +6,7 @@ says of it: a value with a tolerance, or a bound. Nothing here knows the answer.
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,11 +18,27 @@ from fibermelt.study.quantities import NotStoredError, Quantity
 from fibermelt.study.quantities_bead import BEAD
 from fibermelt.study.quantities_fiber import FIBER
 from fibermelt.study.quantities_voids import VOIDS
+from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.toml import as_toml
+from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Claim", "Judgement", "claims", "claims_in_words", "judge", "summarize_claims"]
+    from fibermelt.study.parameters import Value
+
+__all__ = [
+    "CLAIM_TABLES",
+    "Claim",
+    "Judgement",
+    "claims",
+    "claims_in_words",
+    "claims_stage",
+    "fed_by_parts",
+    "judge",
+    "measured",
+    "summarize_claims",
+]
 
 QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
 """What claims are judged by, by name."""
@@ -144,20 +161,36 @@ def claims() -> tuple[Claim, ...]:
     return tuple(Claim(**entry) for entry in tomllib.loads(text)["claim"])
 
 
-def judge(claim: Claim, results: xr.Dataset) -> Judgement:
-    """Return what the results of a study say of a claim.
+def measured(claim: Claim, results: xr.Dataset) -> tuple[float, str]:
+    """Return the quantity of a claim in its unit, and why there is none: NaN and the reason.
 
     Parameters
     ----------
     claim : Claim
         The claim.
     results : xarray.Dataset
-        As in results.nc; a quantity of a part that was not run cannot be judged.
+        As in results.nc; a quantity of a part that was not run cannot be had.
     """
     try:
-        value = QUANTITIES[claim.quantity](results) / UNITS[claim.unit]
+        return QUANTITIES[claim.quantity](results) / UNITS[claim.unit], ""
     except NotStoredError as error:
-        return Judgement(claim, None, "cannot be judged", str(error))
+        return math.nan, str(error)
+
+
+def judge(claim: Claim, value: float, missing: str = "") -> Judgement:
+    """Return what a measured quantity says of a claim.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    value : float
+        The quantity in the claim's unit; NaN if there is none.
+    missing : str
+        Why there is none.
+    """
+    if math.isnan(value):
+        return Judgement(claim, None, "cannot be judged", missing)
     excess = claim.excess(value)
     if excess == 0.0:
         return Judgement(claim, value, "holds", claim.why)
@@ -168,13 +201,51 @@ def judge(claim: Claim, results: xr.Dataset) -> Judgement:
     return Judgement(claim, value, "differs", reason)
 
 
+CLAIM_TABLES = ("flow", "fiber", "interaction", "study.parts")
+"""What of a study the quantities read besides the results."""
+
+STAGES_OF = {
+    "bead": ("streamlines", "motion"),
+    "interaction": ("content", "interaction", "stall"),
+    "orbits": ("orbits",),
+    "voids": ("streamlines", "voids"),
+}
+"""The stages that claims are judged by, by the part of a study that has them."""
+
+
+def fed_by_parts(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return the stages that the claims are fed, as far as a study has their parts."""
+    parts: Any = values["study.parts"]
+    asked = [name for part, names in STAGES_OF.items() if part in parts for name in names]
+    return tuple(dict.fromkeys(asked))
+
+
+def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Measure what the paper's claims are judged by."""
+    import numpy as np  # noqa: PLC0415  lazy, as in the other stages
+    import xarray as xr  # noqa: PLC0415
+
+    results = xr.merge(
+        inputs.values(), combine_attrs="drop", compat="identical", join="exact"
+    ).assign_attrs(config=as_toml(parameters))
+    found = [measured(claim, results) for claim in claims()]
+    say(f"{np.count_nonzero([not missing for _, missing in found])} of {len(found)} claims")
+    return labelled(
+        {
+            "claim": [claim.id for claim in claims()],
+            "claim_value": [value for value, _ in found],
+            "claim_missing": [missing for _, missing in found],
+        }
+    )
+
+
 def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
     """Return what summary.json says of the claims.
 
     Parameters
     ----------
     results : xarray.Dataset
-        As in results.nc.
+        As in results.nc, with the claims' quantities.
 
     Returns
     -------
@@ -182,7 +253,9 @@ def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
         ``{"claims": [{"id", "section", "statement", "measure", "paper", "ours", "verdict",
         "reason"}, ...]}``, numbers with their units as text.
     """
-    found = [judge(claim, results) for claim in claims()]
+    values = dict(zip(results["claim"].to_numpy(), results["claim_value"].to_numpy(), strict=True))
+    why = dict(zip(results["claim"].to_numpy(), results["claim_missing"].to_numpy(), strict=True))
+    found = [judge(claim, float(values[claim.id]), str(why[claim.id])) for claim in claims()]
     return {
         "claims": [
             {

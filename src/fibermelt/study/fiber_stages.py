@@ -5,6 +5,7 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.study.followed import followed_by_newton, followed_in_plane, followed_in_space
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["cell_stage", "domain_size", "motion_stage", "stored_model", "stored_path"]
+
+MODELS_KEPT = 8
+"""Models of fibers that are kept at hand: a few hundred kilobytes each."""
 
 PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
     "mean": "cell-edge",
@@ -122,21 +126,45 @@ def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -
 
 
 def stored_model(cell: xr.Dataset) -> FiberModel:
-    """Return the fiber's model that was stored."""
-    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
-    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415  lazy: see the module
+    """Return the fiber's model that was stored; the same cell gives the very same model.
+
+    What a model has worked out, such as its support function, then serves all cases of a sweep
+    that share the cell.
+    """
+    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
+    if name != "confined-ellipse":
+        return _unbounded_model(name, aspect_ratio)
+    surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
+    factor = float(cell["shape_factor"])
+    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _unbounded_model(name: Any, aspect_ratio: float) -> FiberModel:
+    """Return the model of a fiber without a cell."""
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
-    aspect_ratio = float(cell["aspect_ratio"])
-    name: Any = str(cell["fiber_model"].item())
-    if name != "confined-ellipse":
-        return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _confined_model(
+    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
+) -> FiberModel:
+    """Return the model of a fiber from the numbers of its cell."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
+    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
+
+    angles = np.frombuffer(surface)
     return confined_model(
         FiberResponse(
             aspect_ratio=aspect_ratio,
-            shape_factor=float(cell["shape_factor"]),
-            surface=cell["surface_angle"].to_numpy(),
-            basis=cell["surface_basis"].to_numpy(),
+            shape_factor=shape_factor,
+            surface=angles,
+            basis=np.frombuffer(basis).reshape(len(angles), -1),
         )
     )
 

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from fibermelt.flow.deposition import FlowSolution
     from fibermelt.flow.field import FlowField
     from fibermelt.flow.problem import Deposition
+    from fibermelt.flow.start import StartShape
 
-__all__ = ["FLOW_NUMERICS", "flow_stage", "streamlines_stage", "write_fields"]
+__all__ = ["FLOW_NUMERICS", "flow_stage", "start_from", "streamlines_stage", "write_fields"]
 
 FLOW_NUMERICS = {
     "numerics.flow_order": "order",
@@ -58,13 +59,31 @@ def _problem(parameters: Parameters) -> Deposition:
     return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(**parameters.section("melt")), **speeds)
 
 
-def flow_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Solve the deposition flow."""
+def start_from(flow: xr.Dataset) -> StartShape:
+    """Return what a neighbouring case's flow may start from, of a flow that was stored.
+
+    Raises
+    ------
+    ConfigError
+        If the surfaces in it are none.
+    """
+    from fibermelt.flow.start import StartShape  # noqa: PLC0415  lazy: see the module
+
+    return StartShape(flow["upstream_surface"].to_numpy(), flow["downstream_surface"].to_numpy())
+
+
+def flow_stage(
+    parameters: Parameters, inputs: Inputs, say: Say, start: StartShape | None = None
+) -> xr.Dataset:
+    """Solve the deposition flow, from cold or from the surfaces of a neighbour (`start_from`).
+
+    The start is no part of the stage's key: it changes the answer by less than its stated error.
+    """
     from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  lazy: see the module
     from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
 
     numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
-    solution = solve_deposition(_problem(parameters), numerics, progress=say)
+    solution = solve_deposition(_problem(parameters), numerics, progress=say, start=start)
     field = solution.field
     arrays: dict[str, Any] = {
         "node_x": field.points[:, 0],

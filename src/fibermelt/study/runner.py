@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from fibermelt.study.loading import Study
 
-__all__ = ["DrawFigures", "WriteReport", "run_study"]
+__all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions"]
 
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
@@ -147,7 +147,7 @@ class _Run:
             inputs={name: stage_keys[name] for name in fed},
             cost=time.perf_counter() - start,
             data="",
-            software=_software(),
+            software=software_versions(),
         )
         return record, dataset
 
@@ -181,7 +181,7 @@ class _Run:
             "title": f"fibermelt study {legible(self.study.name)}",
             "schema": SCHEMA,
             "config": config,
-            "software": json.dumps(_software()),
+            "software": json.dumps(software_versions()),
         }
         parts = self.chain.asked(self.study.config.study.parts)
         summary: dict[str, Any] = {"schema": SCHEMA}
@@ -216,7 +216,7 @@ class _Run:
         return summary
 
 
-def _software() -> dict[str, str]:
+def software_versions() -> dict[str, str]:
     """Return the versions of what computes."""
     found = {"python": platform.python_version()}
     for name in SOFTWARE:

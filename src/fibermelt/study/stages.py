@@ -65,6 +65,11 @@ def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     return ()
 
 
+def _never(values: Mapping[str, Value]) -> bool:
+    """Return that a stage costs more to compute than to store, as most do."""
+    return False
+
+
 @dataclass(frozen=True)
 class Stage:
     """One step of the chain: data from parameters and from the data of other stages.
@@ -85,6 +90,9 @@ class Stage:
         Another stage under whose name its cost is told, in the summary.
     inputs_if : callable, optional
         From the resolved study to names of stages that it is fed besides, in some studies only.
+    light_if : callable, optional
+        From the resolved study to whether it costs less to compute than to store: a sweep then
+        computes it again for each batch of cases that needs it.
     """
 
     name: str
@@ -94,6 +102,7 @@ class Stage:
     compute: Compute
     told_with: str = ""
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
+    light_if: Callable[[Mapping[str, Value]], bool] = _never
 
     @property
     def heading(self) -> str:

@@ -15,7 +15,7 @@ A range or a distribution is sampled where the design is a Latin hypercube or a 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -176,7 +176,18 @@ class Sweep:
         ConfigError
             If one is no valid study: its settings, and what is wrong.
         """
-        return [self._case(index, set_) for index, set_ in enumerate(self.settings())]
+        return list(self.stream())
+
+    def stream(self) -> Iterator[Case]:
+        """Yield every case, one by one: a sweep of many need not be in memory at once.
+
+        Raises
+        ------
+        ConfigError
+            As `cases`.
+        """
+        for index, set_ in enumerate(self.settings()):
+            yield self._case(index, set_)
 
     def _set(self, values: Sequence[tuple[Any, ...]]) -> dict[str, Any]:
         return {

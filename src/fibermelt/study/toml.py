@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from fibermelt.study.config import Config
-from fibermelt.study.parameters import Declaration, declarations, flatten
+from fibermelt.study.parameters import Declaration, Value, declarations, flatten
 
-__all__ = ["defaults_toml", "resolved_toml", "toml_value"]
+__all__ = ["as_toml", "defaults_toml", "resolved_toml", "toml_value"]
 
 _WIDTH = 96
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -75,6 +75,22 @@ def resolved_toml(config: Config, preamble: str) -> str:
             *first, last = _assignment(name, value)
             lines += [*first, last + unit]
     return "\n".join(lines) + "\n"
+
+
+def as_toml(values: Mapping[str, Value]) -> str:
+    """Return some parameters of a resolved study as TOML tables, those that are given.
+
+    Parameters
+    ----------
+    values : mapping
+        By key: ``{"flow.gap": 0.003, ...}``.
+    """
+    tables: dict[str, list[str]] = {}
+    for key, value in values.items():
+        table, _, name = key.rpartition(".")
+        if value is not None:
+            tables.setdefault(table, []).append(f"{name} = {toml_value(value)}")
+    return "\n".join(line for name, lines in tables.items() for line in (f"[{name}]", *lines))
 
 
 def _with_headings(

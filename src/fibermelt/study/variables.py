@@ -124,6 +124,14 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "rad",
         "angle of the fiber to the streamline at the zone",
     ),
+    # The paper's claims.
+    "claim": ("claim", "1", "name of the claim, as in data/claims.toml"),
+    "claim_value": (
+        "claim",
+        "1",
+        "what it is judged by, in its unit; NaN if not to be had",
+    ),
+    "claim_missing": ("claim", "1", "why it is not to be had"),
     **ORIENTATION_VARIABLES,
     **SENSITIVITY_VARIABLES,
     **VOID_VARIABLES,

@@ -1,0 +1,319 @@
+"""Commands for sweeps: `fibermelt sweep`, `plan`, `status`, `resume`, `clean` and `collect`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fibermelt.cli.common import (
+    INTERRUPTED,
+    JsonOption,
+    SetOption,
+    StudyArgument,
+    say,
+    told,
+)
+from fibermelt.errors import ConfigError, legible
+
+if TYPE_CHECKING:
+    from fibermelt.study.loading import Study
+    from fibermelt.study.progress import Observer
+    from fibermelt.study.sweep import Sweep
+
+__all__ = ["clean", "collect", "plan", "resume", "status", "sweep"]
+
+LISTED = 40
+"""Cases that a plan lists for a person; --json has all of them."""
+
+Folder = Annotated[str, typer.Argument(metavar="DIR", help="Results folder of a sweep.")]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        help="Processes on this machine, as many as it has cores by default; 0: this one only.",
+    ),
+]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDR",
+        help="Use the workers of a dask scheduler: tcp://host:port, or its scheduler file.",
+    ),
+]
+RetryOption = Annotated[
+    bool, typer.Option("--retry-failed", help="Try cases again that had no answer.")
+]
+
+
+class _Notes:
+    """Prints nothing; keeps what was mended in the folder, which must not go unsaid."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def step(self, stage: str, line: str) -> None:
+        """Ignore it."""
+
+    def done(self, stage: str, line: str) -> None:
+        """Keep what concerns the folder."""
+        if stage == "store":
+            self.lines.append(line)
+
+
+@contextmanager
+def _watching(*, as_json: bool) -> Iterator[Observer]:
+    """Yield the observer of a sweep: a silent one where JSON is asked for."""
+    from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none of it
+
+    if not as_json:
+        with observing() as observer:
+            yield observer
+        return
+    notes = _Notes()
+    try:
+        yield notes
+    finally:
+        for line in notes.lines:
+            typer.echo(f"note: {line}", err=True)
+
+
+def sweep(
+    study: StudyArgument,
+    out: Annotated[
+        str, typer.Option("--out", metavar="DIR", help="Results folder; made if need be.")
+    ],
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    sets: SetOption = None,
+    retry_failed: RetryOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run every case of a study with a table [sweep]; what is stored already is reused."""
+
+    def read() -> tuple[Sweep, Study]:
+        from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.study.sweep import read_sweep  # noqa: PLC0415
+
+        swept = load_study(study, sets or [])
+        return read_sweep(swept), swept
+
+    _go(read, out, workers, scheduler, retry_failed, as_json)
+
+
+def resume(
+    directory: Folder,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    retry_failed: RetryOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Go on with the sweep of a results folder; what is finished is not computed again."""
+
+    def read() -> tuple[Sweep, Study]:
+        from fibermelt.study.sweep_record import restored  # noqa: PLC0415  lazy, as above
+        from fibermelt.study.sweep_store import CaseStore  # noqa: PLC0415
+
+        return restored(CaseStore(Path(directory)))
+
+    _go(read, directory, workers, scheduler, retry_failed, as_json)
+
+
+def _go(
+    read: Callable[[], tuple[Sweep, Study]],
+    directory: str,
+    workers: int | None,
+    scheduler: str | None,
+    retry_failed: bool,
+    as_json: bool,
+) -> None:
+    with told():
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.study.sweep_runner import run_sweep  # noqa: PLC0415
+
+        folder = _existing_name(directory)
+        swept, study = read()
+        try:
+            with _watching(as_json=as_json) as observer:
+                summary = run_sweep(
+                    swept,
+                    study,
+                    folder,
+                    CHAIN,
+                    workers=workers,
+                    scheduler=scheduler,
+                    retry_failed=retry_failed,
+                    observer=observer,
+                )
+        except KeyboardInterrupt:
+            typer.echo(
+                f"interrupted: finished cases are kept, fibermelt resume {folder} goes on", err=True
+            )
+            raise typer.Exit(INTERRUPTED) from None
+        say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
+
+
+def _in_words(summary: dict[str, Any], folder: Path) -> str:
+    lines = [
+        f"cases           {summary['done']} of {summary['cases']} done, {summary['failed']} failed",
+        f"stages reused   {summary['reused_stages']}",
+        f"time            {summary['wall_s']:.1f} s",
+        f"results         {_shown(folder)}: fibermelt collect {_shown(folder)}",
+    ]
+    if summary["failed"]:
+        lines.append(f"                fibermelt status {_shown(folder)} tells why some failed")
+    return "\n".join(lines)
+
+
+def plan(
+    study: StudyArgument,
+    out: Annotated[
+        str | None, typer.Option("--out", metavar="DIR", help="Results folder to look into.")
+    ] = None,
+    sets: SetOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show the cases of a sweep, which stages they share, and what is already done."""
+    with told():
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.study.loading import load_study  # noqa: PLC0415
+        from fibermelt.study.sweep import read_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep_status import list_plan  # noqa: PLC0415
+
+        swept = load_study(study, sets or [])
+        folder = Path("results", swept.name) if out is None else _existing_name(out)
+        listed = list_plan(read_sweep(swept), swept, CHAIN, folder)
+        say(json.dumps(listed, indent=1) if as_json else _plan_in_words(listed))
+
+
+def _plan_in_words(listed: dict[str, Any]) -> str:
+    shape = " x ".join(map(str, listed["shape"]))
+    lines = [
+        f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
+        f"{listed['failed']} failed, {listed['pending']} to do"
+    ]
+    for name, count in listed["stages"].items():
+        kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
+        lines.append(f"{name:<16}{count['results']} for all cases{kept}")
+    for case in listed["each"][:LISTED]:
+        point = ", ".join(f"{key} = {_number(value)}" for key, value in case["point"].items())
+        lines.append(f"{case['case']:>6}  {case['status']:<8}  {point}")
+    if (more := len(listed["each"]) - LISTED) > 0:
+        lines.append(f"        and {more} more: --json lists them all")
+    return "\n".join(lines)
+
+
+def status(directory: Folder, as_json: JsonOption = False) -> None:
+    """Tell how far the sweep of a results folder is, and why cases failed."""
+    with told():
+        from fibermelt.study.sweep_status import sweep_status  # noqa: PLC0415  lazy, as above
+
+        found = sweep_status(Path(directory))
+        if as_json:
+            say(json.dumps(found, indent=1))
+            return
+        lines = [
+            f"cases           {found['done']} of {found['cases']} done, {found['failed']} failed, "
+            f"{found['pending']} to do",
+            f"last run        {found['wall_s']:.1f} s, {found['reused_stages']} stages reused",
+        ]
+        lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
+        lines += [f"damaged: {path}" for path in found["damaged"]]
+        if found["pending"] or found["damaged"]:
+            lines.append(f"go on with fibermelt resume {_shown(Path(directory))}")
+        say("\n".join(lines))
+
+
+def clean(
+    directory: Folder,
+    yes: Annotated[bool, typer.Option("--yes", help="Remove it, rather than tell only.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Tell what no case and no run on show needs any more; with --yes, remove it."""
+    with told():
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.study.sweep_status import list_unneeded, remove_unneeded  # noqa: PLC0415
+
+        folder = Path(directory)
+        unneeded = list_unneeded(folder, CHAIN)
+        size = sum(
+            file.stat().st_size
+            for path in unneeded
+            for file in (path.rglob("*") if path.is_dir() else [path])
+            if file.is_file()
+        )
+        names = [path.relative_to(folder).as_posix() for path in unneeded]
+        if yes:
+            remove_unneeded(unneeded)
+        if as_json:
+            say(json.dumps({"unneeded": names, "bytes": size, "removed": yes}, indent=1))
+            return
+        told_of = "removed" if yes else "not needed by any case or run on show"
+        lines = [*names, f"{len(names)} {told_of}, {size / 1e6:.1f} MB"]
+        if names and not yes:
+            lines.append(f"fibermelt clean {_shown(folder)} --yes removes them")
+        say("\n".join(lines))
+
+
+def collect(
+    directory: Folder,
+    to: Annotated[
+        str | None,
+        typer.Option("--to", metavar="FILE", help="Where to; DIR/sweep.nc by default."),
+    ] = None,
+    zarr: Annotated[
+        bool, typer.Option("--zarr", help="Write Zarr, into DIR/sweep.zarr by default.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Collect the numbers of all cases into one dataset over what varies."""
+    with told():
+        if to is not None and not to.strip():
+            msg = '--to "": is no name of a file; write one, or leave --to away'
+            raise ConfigError(msg)
+        from fibermelt.study.sweep_collect import (  # noqa: PLC0415  lazy, as in _watching
+            collect_sweep,
+            write_netcdf,
+            write_zarr,
+        )
+
+        folder = Path(directory)
+        path = Path(to) if to else folder / ("sweep.zarr" if zarr else "sweep.nc")
+        dataset = collect_sweep(folder)
+        (write_zarr if zarr else write_netcdf)(dataset, path)
+        statuses = dataset["status"].to_numpy().ravel().tolist()
+        summary = {
+            "cases": len(statuses),
+            **{name: statuses.count(name) for name in ("done", "failed", "pending")},
+            "file": str(path),
+        }
+        if as_json:
+            say(json.dumps(summary, indent=1))
+            return
+        say(
+            f"{_shown(path)}: {summary['done']} of {summary['cases']} cases, "
+            f"{summary['failed']} failed, {summary['pending']} to do; "
+            f"{len(dataset.data_vars)} variables over {', '.join(map(str, dataset.sizes))}"
+        )
+
+
+def _existing_name(out: str) -> Path:
+    """Return the results folder; an empty name would stand for the one that we are in."""
+    if not out.strip():
+        msg = '--out "": is no name of a folder; write one, such as --out results/mine'
+        raise ConfigError(msg)
+    return Path(out)
+
+
+def _shown(path: Path) -> str:
+    return legible(str(path), len(str(path)))
+
+
+def _number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else legible(str(value))

@@ -1,0 +1,327 @@
+"""Sweeps whose workers, client or scheduler are killed, whose disk fills, whose files are torn.
+
+What is killed is a real process, with SIGKILL, at a random moment whose seed is printed. Whatever
+happened, the sweep that goes on ends where an undisturbed one does, and computes nothing twice
+that was finished.
+"""
+
+import json
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import fake_sweeps
+import pytest
+
+from fibermelt.errors import StoreError
+from fibermelt.study.sweep_status import sweep_status
+from fibermelt.study.sweep_store import CaseStore
+
+PATIENCE = 60.0
+"""Time [s] for processes to come up, or to go, on a busy machine."""
+
+TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
+"""Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""
+
+WINDOW = 1.2
+"""Time [s] after the first stage within which the blow falls."""
+
+KILLS = 3
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("undisturbed")
+    summary, _ = fake_sweeps.sweep(fake_sweeps.study_file(folder), folder / "out")
+    assert (summary["done"], summary["failed"]) == (72, 24)
+    return folder / "out"
+
+
+@pytest.fixture
+def study(tmp_path):
+    return fake_sweeps.study_file(tmp_path)
+
+
+@pytest.fixture
+def dice(request):
+    seed = int(os.environ.get("FAULT_SEED", random.SystemRandom().randrange(10**6)))
+    print(f"FAULT_SEED={seed} repeats {request.node.name}")  # noqa: T201  told when a test fails
+    return random.Random(seed)
+
+
+@contextmanager
+def process(arguments, **environment):
+    """Run Python in a process of its own, of which nothing is left at the end."""
+    here = str(Path(fake_sweeps.__file__).parent)
+    path = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
+    running = subprocess.Popen(
+        [sys.executable, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": path, **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        yield running
+    finally:
+        running.kill()
+        running.communicate(timeout=PATIENCE)
+
+
+def client(study, out, log, *options):
+    arguments = [fake_sweeps.__file__, study, out, *options]
+    return process(arguments, FAKE_LOG=str(log), **TAKES)
+
+
+def wait_for(condition, what, running=None):
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        if running is not None and running.poll() is not None:
+            pytest.fail(f"ended before {what}: {running.communicate()}")
+        assert time.monotonic() < deadline, f"no {what} in {PATIENCE} s"
+        time.sleep(0.01)
+
+
+def lines(log):
+    return log.read_text().splitlines() if log.exists() else []
+
+
+def computed(log):
+    """Return what was computed, by its process, as lines such as ``flow 0.003``."""
+    return [line.split(" ", 1)[1] for line in lines(log)]
+
+
+def workers_of(log):
+    return sorted({int(line.split()[0]) for line in lines(log)})
+
+
+def is_alive(pid):
+    try:
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except FileNotFoundError:
+        return False
+
+
+def finished_work(out):
+    """Return the keys of the cases whose numbers are there, and the names of stored stages."""
+    stages = {path.name for path in (out / "stages").glob("flow-*")}
+    return CaseStore(out).refresh(), stages
+
+
+def resume(study, out, log, monkeypatch):
+    """Go on in this process, and assert that nothing is computed that was finished."""
+    cases, stages = finished_work(out)
+    monkeypatch.setenv("FAKE_LOG", str(log))
+    summary, _ = fake_sweeps.sweep(study, out)
+    assert (summary["cases"], summary["done"], summary["failed"]) == (96, 72, 24)
+    again = computed(log)
+    assert sum(line.startswith("motion") for line in again) == 72 - len(cases)
+    gaps = [line for line in again if line.startswith("flow") and line != "flow 0.002"]
+    assert len(gaps) == 3 - len(stages)
+    assert len(again) == len(set(again))
+
+
+def test_workers_are_killed(tmp_path, study, undisturbed, dice):
+    """The rest goes on: the sweep ends as if nothing had been."""
+    log = tmp_path / "log"
+    with client(study, tmp_path / "out", log, "--workers", 2) as running:
+        for _ in range(KILLS):
+            count = len(lines(log))
+            wait_for(lambda count=count: len(lines(log)) > count, "stage", running)
+            time.sleep(dice.uniform(0, WINDOW / KILLS))
+            if alive := [pid for pid in workers_of(log) if is_alive(pid)]:
+                os.kill(dice.choice(alive), signal.SIGKILL)
+        told, complaints = running.communicate(timeout=PATIENCE)
+        assert running.returncode == 0, complaints
+    summary = json.loads(told)
+    assert (summary["cases"], summary["done"], summary["failed"]) == (96, 72, 24)
+    fake_sweeps.assert_same(tmp_path / "out", undisturbed)
+
+
+def test_the_client_is_killed(tmp_path, study, undisturbed, dice, monkeypatch):
+    """Its workers go with it, and the next one goes on from what they finished."""
+    out = tmp_path / "out"
+    for kill in range(2):
+        log = tmp_path / f"log{kill}"
+        with client(study, out, log, "--workers", 2) as running:
+            wait_for(lambda log=log: lines(log), "stage", running)
+            time.sleep(dice.uniform(0, WINDOW / 2))
+            running.send_signal(signal.SIGKILL)
+            running.wait(PATIENCE)
+        workers = workers_of(log)
+        wait_for(lambda workers=workers: not any(map(is_alive, workers)), "end of the workers")
+    resume(study, out, tmp_path / "log", monkeypatch)
+    fake_sweeps.assert_same(out, undisturbed)
+    assert not list(out.rglob(".partial-*"))
+
+
+@contextmanager
+def cluster(folder, log):
+    """Yield a scheduler process and its address; two workers go when it goes."""
+    file = folder / "scheduler.json"
+    common = ["--no-dashboard", "--host", "127.0.0.1"]
+    with process(
+        ["-m", "distributed.cli.dask_scheduler", "--port", 0, "--scheduler-file", file, *common]
+    ) as scheduler:
+        wait_for(lambda: file.exists() and file.read_text().endswith("}"), "scheduler", scheduler)
+        with process(
+            ["-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--nworkers", 2,
+             "--nthreads", 1, "--local-directory", folder / "scratch", *common],
+            FAKE_LOG=str(log), **TAKES,
+        ):  # fmt: skip
+            yield scheduler, file
+
+
+def test_the_scheduler_is_killed(tmp_path, study, undisturbed, dice, monkeypatch):
+    """The client says so and ends; what was finished is kept."""
+    out, log = tmp_path / "out", tmp_path / "log0"
+    (tmp_path / "cluster").mkdir()
+    with cluster(tmp_path / "cluster", log) as (scheduler, file):
+        with client(study, out, log, "--scheduler", file) as running:
+            wait_for(lambda: lines(log), "stage", running)
+            time.sleep(dice.uniform(0, WINDOW))
+            scheduler.send_signal(signal.SIGKILL)
+            _, complaints = running.communicate(timeout=PATIENCE)
+        assert running.returncode == 1
+        assert "is gone: finished cases are kept" in complaints.splitlines()[-1]
+    wait_for(lambda: not any(map(is_alive, workers_of(log))), "end of the workers")
+    resume(study, out, tmp_path / "log", monkeypatch)
+    fake_sweeps.assert_same(out, undisturbed)
+
+
+def test_two_clients_share_a_folder_and_the_work(tmp_path, study, undisturbed):
+    """Each with a worker of its own: both end, and between them nothing is computed twice."""
+    out, log = tmp_path / "out", tmp_path / "log"
+    with (
+        client(study, out, log, "--workers", 1) as one,
+        client(study, out, log, "--workers", 1) as other,
+    ):
+        for running in (one, other):
+            told, complaints = running.communicate(timeout=PATIENCE)
+            assert running.returncode == 0, complaints
+            assert json.loads(told)["done"] == 72
+    everything = computed(log)
+    assert len(everything) == len(set(everything)) == 72 + 4
+    assert len(workers_of(log)) == 2, "one of them did it all"
+    fake_sweeps.assert_same(out, undisturbed)
+
+
+@contextmanager
+def small_disk(folder):
+    """Yield a file system of 200 kB, or skip."""
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", folder],
+        capture_output=True,
+        check=False,
+    )
+    if mounted.returncode:
+        pytest.skip("file systems can be mounted by root only")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
+
+
+def test_a_disk_fills_up(tmp_path, study, undisturbed, monkeypatch):
+    """The sweep says so and ends; with room on the disk it goes on from what was finished."""
+    with small_disk(tmp_path / "disk") as disk:
+        out = disk / "out"
+        with client(study, out, tmp_path / "log0", "--workers", 2) as running:
+            _, complaints = running.communicate(timeout=PATIENCE)
+        assert running.returncode == 1
+        assert "no space left on device; free some space" in complaints
+        assert not list(out.rglob(".partial-*"))
+        subprocess.run(["mount", "-o", "remount,size=50m", disk], check=True)
+        resume(study, out, tmp_path / "log", monkeypatch)
+        fake_sweeps.assert_same(out, undisturbed)
+
+
+@pytest.mark.parametrize("small", [3000, 18000])
+def test_files_that_cannot_grow(tmp_path, study, undisturbed, monkeypatch, small):
+    """A limit on the size of files, where a full disk cannot be had: the same end."""
+    out = tmp_path / "out"
+    script = (
+        "import resource, fake_sweeps\n"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({small}, resource.RLIM_INFINITY))\n"
+        "fake_sweeps.main()\n"
+    )
+    arguments = ["-c", script, study, out, "--workers", "0"]
+    with process(arguments, PYTHONDONTWRITEBYTECODE="1") as running:
+        _, complaints = running.communicate(timeout=PATIENCE)
+    assert running.returncode == 1
+    assert "file too large; free some space" in complaints.splitlines()[-1]
+    resume(study, out, tmp_path / "log", monkeypatch)
+    fake_sweeps.assert_same(out, undisturbed)
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != small
+
+
+def flip(path):
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0x10
+    path.write_bytes(data)
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[:-7])
+
+
+@pytest.mark.parametrize("tear", [flip, truncate])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "cases/batch-*.npz",
+        "cases/failed-*.json",
+        "cases/progress.json",
+        "stages/flow-*/data.nc",
+        "stages/flow-*/record.json",
+        "sweep.json",
+    ],
+)
+def test_a_torn_file_is_known_and_mended(tmp_path, study, undisturbed, name, tear):
+    """A stage is read again where a case needs it, so all cases are taken away with it."""
+    out = tmp_path / "out"
+    fake_sweeps.sweep(study, out)
+    if name.startswith("stages"):
+        for batch in out.glob("cases/batch-*"):
+            batch.unlink()
+    victim = min(out.glob(name))
+    tear(victim)
+    summary, said = fake_sweeps.sweep(study, out)
+    assert (summary["done"], summary["failed"]) == (72, 24)
+    if name.startswith(("stages", "cases/batch")):
+        assert sum("was damaged" in line for line in said) == 1
+    fake_sweeps.assert_same(out, undisturbed)
+    assert sweep_status(out)["damaged"] == []
+
+
+def test_a_torn_batch_is_never_collected(tmp_path, study):
+    fake_sweeps.sweep(study, tmp_path / "out")
+    victim = min((tmp_path / "out").glob("cases/batch-*"))
+    flip(victim)
+    assert sweep_status(tmp_path / "out")["damaged"] == [str(victim)]
+    with pytest.raises(StoreError, match=r"batch-\w+\.npz: is damaged.*resume"):
+        fake_sweeps.collect_sweep(tmp_path / "out")
+
+
+def test_a_failed_case_is_recorded_and_tried_again_only_if_asked(tmp_path, study, monkeypatch):
+    out, log = tmp_path / "out", tmp_path / "log"
+    fake_sweeps.sweep(study, out)
+    found = sweep_status(out)
+    reason = "flow.gap = 0.002 m: no steady surface; try a larger gap"
+    assert found["reasons"] == {reason: 24}
+    (failure,) = found["failures"]
+    assert (failure["stage"], failure["kind"]) == ("flow", "ConvergenceError")
+    assert failure["parameters"]["flow.gap"] == 0.002
+    monkeypatch.setenv("FAKE_LOG", str(log))
+    fake_sweeps.sweep(study, out)
+    assert computed(log) == []
+    summary, _ = fake_sweeps.sweep(study, out, retry_failed=True)
+    assert computed(log) == ["flow 0.002"]
+    assert summary["failed"] == 24
