@@ -137,12 +137,16 @@ def verification(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the checks that the study's own machine climbed, by subject, with their bounds."""
     del summary
     columns = [results[f"check_{name}"].to_numpy().tolist() for name in CHECKED]
-    checks = [dict(zip(CHECKED, row, strict=True)) for row in zip(*columns, strict=True)]
+    names = list(CHECKED)
+    if "check_failure" in results:
+        names.append("failure")
+        columns.append(results["check_failure"].to_numpy().tolist())
+    checks = [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
     passed = sum(bool(check["passed"]) for check in checks)
     words = Markup(
         "<p>Exact solutions, observed orders of convergence, and independent paths against one "
-        "another, measured where the study was run: {} of {} checks pass.</p>\n"
-    ).format(passed, len(checks))
+        "another, measured where the study was run{}: {} of {} checks pass.</p>\n"
+    ).format(_software(results), passed, len(checks))
     subjects = dict.fromkeys(str(check["subject"]) for check in checks)
     heads = (
         Column("Check", is_text=True),
@@ -161,6 +165,11 @@ def verification(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     return words + Markup().join(tables)
 
 
+def _software(results: xr.Dataset) -> str:
+    """Return what computed when the checks were made, where that is stored."""
+    return f", with {results['check_software'].item()}" if "check_software" in results else ""
+
+
 def _check(check: Mapping[str, Any]) -> tuple[Markup, str, str, Markup]:
     unit = str(check["unit"])
     after = f" {unit}" if unit else ""
@@ -170,6 +179,8 @@ def _check(check: Mapping[str, Any]) -> tuple[Markup, str, str, Markup]:
     name = Markup('{}<br><span class="reason">{} {}</span>').format(
         check["name"], check["what"], f"({check['reference']})" if check["reference"] else ""
     )
+    if failure := check.get("failure"):
+        name += Markup('<br><span class="reason">Not measured: {}</span>').format(failure)
     good = bool(check["passed"])
     verdict = Markup('<span class="verdict" data-verdict="{}">{}</span>').format(
         "holds" if good else "differs", "✓ pass" if good else "✗ fail"
