@@ -225,6 +225,17 @@ def test_without_moisture_the_answer_keeps_to_the_pressures(bead: xr.Dataset) ->
     assert "No bead: " in alone
 
 
+def test_without_a_bead_the_answer_is_of_a_fiber(
+    bead: xr.Dataset, orbits: dict[str, Any], suspension: xr.Dataset
+) -> None:
+    summary = {**orbits, **summarize_interaction(suspension)}
+    html = answer(xr.Dataset(attrs=bead.attrs), summary)
+    base = orbits["orbits"]["cases"][0]
+    assert f"turns in {fixed(base['confined-ellipse']['period'], 2)} s in its cell" in html
+    assert f"{fixed(1e-3 * base['ellipse']['min_pressure'], 2)} kPa without" in html
+    assert f"M = {fixed(summary['interaction']['domain_size'], 3)}" in html
+
+
 CLAIM = {"statement": "s", "paper": "1", "ours": "2", "reason": "why", "measure": "what of it"}
 
 
@@ -246,7 +257,7 @@ def test_claims_are_counted_by_section_of_the_paper() -> None:
     assert "what of it" in html
 
 
-CHECKS = {
+CHECKS: dict[str, Any] = {
     "name": ["Couette", "cell"],
     "subject": ["flow", "fiber"],
     "what": ["drag against exact", "spin"],

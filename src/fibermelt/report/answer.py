@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["answer"]
 
-MM, MPA, PERCENT, CELSIUS = 1e3, 1e-6, 100.0, 273.15
+MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
 
 FIBERS = {
     "confined-ellipse": "ellipses in their cells",
@@ -87,9 +88,39 @@ def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, s
             ("Where?", _where(found, worst)),
             ("What to do?", advice(found)),
         ]
-    if "bound_lowest" not in results:
-        return []
-    return _without_moisture(results)
+    if "bound_lowest" in results:
+        return _without_moisture(results)
+    return _of_a_fiber(summary)
+
+
+def _of_a_fiber(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what a study without a bead found of a single fiber."""
+    found = []
+    if "orbits" in summary:
+        base = summary["orbits"]["cases"][0]
+        cell, free = base["confined-ellipse"], base["ellipse"]
+        turns = "stalls" if cell["period"] is None else f"turns in {fixed(cell['period'], 2)} s"
+        found.append(
+            (
+                "How does it turn?",
+                f"A fiber of aspect ratio {short(base['aspect_ratio'])} at "
+                f"{short(base['shear_rate'])} 1/s {turns} in its cell, in "
+                f"{fixed(free['period'], 2)} s without one; the pressure on it falls to "
+                f"{fixed(KPA * cell['min_pressure'], 2)} kPa less the far field’s, to "
+                f"{fixed(KPA * free['min_pressure'], 2)} kPa without.",
+            )
+        )
+    if "interaction" in summary:
+        one = summary["interaction"]
+        found.append(
+            (
+                "Which cell?",
+                f"M = {fixed(one['domain_size'], 3)}: a fiber in it stalls at "
+                f"{fixed(math.degrees(one['preferred_angle']), 2)}°, where most fibers lie at the "
+                f"content’s C_I of {short(one['interaction'], 4)}.",
+            )
+        )
+    return found
 
 
 def _risk(found: Mapping[str, Any]) -> str:
