@@ -31,7 +31,7 @@ MPA = 1e-6
 
 def rows(html: str, caption: str) -> list[list[str]]:
     """Return the cells of a table's body as a reader sees them."""
-    start = html.index(f"<caption>{caption}")
+    start = html.index(f"<caption><span>{caption}")
     body = html[html.index("<tbody>", start) : html.index("</tbody>", start)]
     return [
         [re.sub(r"<[^>]+>", " ", cell).strip() for cell in re.findall(r"<t[hd].*?>(.*?)</t", row)]

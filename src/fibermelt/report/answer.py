@@ -160,8 +160,8 @@ def _where(found: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
         extreme(layers, key=lambda layer: float(layer["fiber_pressure"])) for extreme in (min, max)
     )
     return (
-        f"{told}; layer by layer, mean over the initial angles, fibers see the least "
-        f"{fixed(MM * low['height'], 1)} mm and the most {fixed(MM * high['height'], 1)} mm "
+        f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
+        f"{fixed(MM * low['height'], 1)} mm and highest {fixed(MM * high['height'], 1)} mm "
         "above the bed."
     )
 

@@ -126,7 +126,7 @@ def _peaks(peaks: Sequence[Mapping[str, Any]]) -> Markup:
     rows = [
         (
             short(row["aspect_ratio"]),
-            *(number(row[model]) for model in MODELS),
+            *(short(row[model], 4) for model in MODELS),
             number(row["spheroid_over_ellipse"]),
         )
         for row in peaks

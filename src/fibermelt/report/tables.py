@@ -126,7 +126,7 @@ def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]
     body = Markup("\n").join(_row(columns, cells) for cells in rows)
     return Markup(
         '<div class="scroll" role="region" tabindex="0" aria-label="{0}">\n'
-        "<table><caption>{0}</caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
+        "<table><caption><span>{0}</span></caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
         "\n</div>\n"
     ).format(caption, head, body)
 
