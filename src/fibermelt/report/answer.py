@@ -33,6 +33,7 @@ PARTS = {
     "orbits": "one fiber in simple shear",
     "dimensions": "a plane ellipse against a spheroid",
     "claims": "the paper’s claims",
+    "verification": "the verification ladder",
 }
 """What a study without a bead is of, in words."""
 
