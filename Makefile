@@ -7,13 +7,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-sensitivity test lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test browser lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
-	@echo "make paper-sensitivity"
-	@echo "                sweep the nozzle's dimensions, which the paper does not print (11 cases)"
+	@echo "make paper-sensitivity  vary what the paper does not print, into results/nozzle"
 	@echo "make test       run all tests"
+	@echo "make browser    install the browser that the report is tested in (Debian, as root)"
 	@echo "make lint       check style"
 	@echo "make types      check types"
 	@echo "make contracts  check who imports whom"
@@ -37,14 +37,19 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 
 paper: $(VENV)/.installed
 	$(BIN)/fibermelt run paper --out results/paper
-	@echo "Look at results/paper/figures, and at the numbers in results/paper/summary.json."
+	@echo "Look at results/paper/report.html, and at the numbers in results/paper/summary.json."
 
 paper-sensitivity: $(VENV)/.installed
 	$(BIN)/fibermelt sweep nozzle --out results/nozzle
-	@echo "Look at results/nozzle/report.html: which claims hold throughout, which depend on what."
+	@echo "Look at results/nozzle/report.html: which claims depend on the nozzle's dimensions."
 
+# One process for each core, one solver thread in each: a file's tests stay together.
 test: $(VENV)/.installed-test
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+# The page is tested in Debian's Chromium; without it those tests are skipped, and say so.
+browser:
+	@command -v chromium >/dev/null || (apt-get update -qq && apt-get install -y -qq chromium)
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

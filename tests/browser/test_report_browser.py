@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
+from fibermelt.study.void_summary import summarize_voids
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="needs Playwright: pip install playwright"
@@ -37,7 +38,8 @@ every_width = pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "d
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     results = stored_results()
     path = tmp_path_factory.mktemp("page") / "report.html"
-    path.write_bytes(render(results, stored_summary(results)))
+    summary = {**stored_summary(results), **summarize_voids(results)}
+    path.write_bytes(render(results, summary))
     return path.as_uri()
 
 
@@ -100,6 +102,41 @@ def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], sc
 
 def rgb(css: str) -> list[int]:
     return [int(part) for part in css.partition("(")[2].partition(")")[0].split(",")[:3]]
+
+
+@every_width
+def test_the_answer_is_on_the_first_screen(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    first = page.locator("dl.answer dd").first.bounding_box()
+    assert first["y"] + first["height"] < size[1]
+    last = page.locator("dl.answer dt").last.bounding_box()
+    assert last["y"] + last["height"] < size[1]
+
+
+@every_width
+def test_claims_can_be_sifted_by_verdict(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    shown = page.locator("#claims > .scroll tbody tr:visible")
+    assert shown.count() == 2
+    page.check("#show-differs")
+    assert shown.count() == 1
+    assert "Minima are uniform" in shown.inner_text()
+    assert page.locator("#claims > .scroll:visible").count() == 1
+    assert page.locator(".tally tbody tr:visible").count() > 1
+    page.emulate_media(media="print")
+    assert shown.count() == 2
+
+
+@every_width
+def test_wide_tables_scroll_within_themselves(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    # A head that wraps leaves room for several columns even on a phone.
+    widths = page.evaluate(
+        "[...document.querySelectorAll('#risk th')].map(cell => cell.offsetWidth)"
+    )
+    assert max(widths) < 0.6 * size[0]
 
 
 @every_width
@@ -194,6 +231,16 @@ def test_readouts_are_the_stored_numbers(opened: Any) -> None:
     # The page holds two numbers in whole kilopascals, each rounded by at most half of one.
     assert shown == pytest.approx(low, abs=1.01e-3)
     assert told(page, "place").startswith(f"{1e3 * float(last['x']):.2f}, ")
+
+
+def test_a_closer_view_brings_the_fiber_into_sight(opened: Any) -> None:
+    page = opened(DESKTOP)
+    page.focus("#pick-time")
+    page.keyboard.press("Home")
+    page.click("#view-exit")
+    assert told(page, "deepest").endswith(f" at {told(page, 'time')}")
+    page.click("#view-whole")
+    assert told(page, "deepest").endswith(f" at {told(page, 'time')}")
 
 
 def test_playing_goes_on_until_it_is_stopped(opened: Any) -> None:

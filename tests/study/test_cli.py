@@ -123,6 +123,7 @@ def test_results_of_other_parameters_are_not_replaced_in_silence(tmp_path, monke
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fibermelt.study.chain.CHAIN", fakes.CHAIN)
     monkeypatch.setattr("fibermelt.cli.studies._draw", fakes.draw)
+    monkeypatch.setattr("fibermelt.cli.studies._report", lambda *of_the_run: b"<html/>")
     other = ("-s", "flow.gap=3.5 mm")
     note = "note: results/paper shows a run of other parameters, which this one replaces; "
     assert "note" not in fibermelt("run", "paper").stderr

@@ -49,7 +49,7 @@ def folder(finished, tmp_path):
 
 def test_the_folder(finished):
     names = {entry.name for entry in finished[0].iterdir()}
-    files = {"config.toml", "summary.json", "results.nc", "flow.vtu"}
+    files = {"config.toml", "summary.json", "results.nc", "flow.vtu", "report.html"}
     assert names == {*files, "figures", "stages"}
     ET.parse(finished[0] / "flow.vtu")
 

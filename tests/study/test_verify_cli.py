@@ -65,3 +65,20 @@ def test_interrupted(monkeypatch):
 
     ladder(monkeypatch, stop)
     assert fibermelt("verify").exit_code == 130
+
+
+def test_a_study_stores_the_ladder_and_a_failure_stops_nothing(monkeypatch, tmp_path):
+    rungs_of = [
+        Rung("flow", (BOUND,), lambda: (2e-3,), quick=True, brief=True),
+        Rung("flow", (BOUND,), lambda: (0.0,), quick=False),
+    ]
+    monkeypatch.setattr(rungs, "LADDER", rungs_of)
+    run = ("run", "paper", "-s", 'study.parts=["verification"]', "--out", str(tmp_path / "out"))
+    done = fibermelt(*run)
+    assert done.exit_code == 0
+    assert "verification    0 of 1 checks pass (brief ladder)" in done.stdout
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert summary["verification"]["checks"][0]["value"] == 2e-3
+    assert "up to date" in fibermelt(*run).stderr
+    longer = fibermelt(*run, "-s", "study.ladder=full")
+    assert "1 of 2 checks pass (full ladder)" in longer.stdout

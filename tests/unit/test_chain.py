@@ -20,7 +20,8 @@ from fibermelt.study.variables import VARIABLES, labelled
 from fibermelt.units import parse
 
 DEFAULTS = flatten(resolve({}))
-BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids"}
+OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - {"flow", "streamlines", "verification"}
+BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids", "claims"}
 
 
 def test_every_parameter_is_read_by_a_stage():
@@ -40,12 +41,13 @@ def test_stages_come_after_their_inputs():
     [
         ("flow.gap", BELOW_FLOW | {"flow"}),
         ("streamlines.count", BELOW_FLOW),
-        ("fiber.aspect_ratio", {stage.name for stage in CHAIN.stages} - {"flow", "streamlines"}),
-        ("interaction.volume_fraction", {"content", "orientation"}),
+        ("fiber.aspect_ratio", OF_THE_FIBER),
+        ("interaction.volume_fraction", {"content", "orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion", "dimensions", "voids"}),
-        ("numerics.isotropic_angles", {"motion", "voids"}),
+        ("fiber.initial_angles", {"motion", "dimensions", "voids", "claims"}),
+        ("numerics.isotropic_angles", {"motion", "voids", "claims"}),
         ("voids.moisture", {"voids"}),
+        ("study.ladder", {"verification"}),
     ],
 )
 def test_a_change_reaches_what_depends_on_it(key, changed):

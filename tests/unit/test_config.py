@@ -182,6 +182,10 @@ ONE_LINE = [
         "[sensitivity]\naspect_ratios = [3, 0.5]",
         r"^sensitivity\.aspect_ratios = \[3, 0\.5\]: item 2 = 0\.5: must be at least 1$",
     ),
+    (
+        "[streamlines]\nfeatures = [4, 0]",
+        r"^streamlines\.features = \[4, 0\]: item 2 = 0: must be at least 1$",
+    ),
     ("[sensitivity]\naspect_ratios = []", r"^sensitivity\.aspect_ratios = \[\]: at least one"),
     ("[sensitivity]\nviscosities = [1, 1]", r"^sensitivity\.viscosities: lists a value twice"),
     ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),

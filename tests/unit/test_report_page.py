@@ -20,12 +20,12 @@ from stored_bead import stored_results, stored_summary
 from fibermelt.errors import StoreError
 from fibermelt.report import embed
 from fibermelt.report.account import account
-from fibermelt.report.chapters import claims
 from fibermelt.report.embed import embed_figures
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.html import render
 from fibermelt.report.interactive import MOST_ANGLES, MOST_LINES, bead_data
-from fibermelt.report.sections import SECTIONS
+from fibermelt.report.judged import claims
+from fibermelt.report.sections import FURTHER, SECTIONS
 from fibermelt.report.sources import USES, read_sources, sources_of, written
 from fibermelt.report.tables import Column, measured, number, table
 from fibermelt.study.config import Config
@@ -119,7 +119,9 @@ def test_it_refers_to_nothing_outside(page: str, read: Reader) -> None:
 def test_figures_stand_once_each_with_words_and_a_size(read: Reader, results: xr.Dataset) -> None:
     images = read.all("img")
     drawn = [plate for plate in FIGURES if plate.needs in results]
-    assert [image["alt"] for image in images] == [plate.words(results).alt for plate in drawn]
+    words = {plate.name: plate.words(results).alt for plate in drawn}
+    asked = ["overview", *(name for section in SECTIONS for name in section.figures)]
+    assert [image["alt"] for image in images] == [words[name] for name in asked if name in words]
     assert len({image["src"] for image in images}) == len(drawn)
     for image in images:
         assert int(str(image["width"])) > 1000
@@ -149,7 +151,8 @@ def test_landmarks_tables_and_controls_are_named(read: Reader) -> None:
     assert all(cell.get("scope") in {"row", "col"} for cell in read.all("th"))
     labelled = {label["for"] for label in read.all("label")}
     controls = read.all("input") + read.all("select")
-    assert len(controls) == 3
+    # Streamline, fiber and time of the moving figure; three choices of verdicts.
+    assert len(controls) == 6
     assert {control["id"] for control in controls} <= labelled
     assert read.tags[[tag for tag, _ in read.tags].index("a")][1]["class"] == "skip"
 
@@ -189,7 +192,7 @@ def test_claims_are_told_with_their_verdicts(results: xr.Dataset) -> None:
 
 def test_sections_have_names_of_their_own() -> None:
     names = [section.name for section in SECTIONS]
-    assert len({*names, "run", "bead", "figures"}) == len(names) + 3
+    assert len({*names, FURTHER.name, "run", "bead"}) == len(names) + 3
 
 
 def test_parameters_are_in_the_units_of_their_defaults_and_marked(results: xr.Dataset) -> None:
@@ -224,6 +227,10 @@ def test_the_moving_figure_shows_what_is_stored(results: xr.Dataset) -> None:
             assert min(fiber["low"]) == pytest.approx(
                 1e-3 * float(results["lowest"][row, k].min()), abs=0.5
             )
+            # So is the lowest above the air's, which may lie elsewhere.
+            local = results["lowest"][row, k] + results["pressure"][row]
+            told = np.array(fiber["low"]) + np.array(line["p"])
+            assert min(told) == pytest.approx(1e-3 * float(local.min()), abs=1.0)
         assert line["t"][-1] == pytest.approx(1e4 * float(results["time"][row, -1]), abs=0.5)
         assert len(line["t"]) == len(line["fibers"][0]["a"]) == len(line["x"])
         assert all(later > sooner for sooner, later in pairwise(line["t"]))
@@ -286,8 +293,24 @@ def test_sources_follow_what_ran() -> None:
         return {source.key for source, _ in sources_of(flatten(resolve(tables)))}
 
     assert "jeffery1922" not in keys()
+    assert "zhang2011" in keys()
     assert "jeffery1922" in keys(fiber={"model": "spheroid"})
+    assert "zhang2011" not in keys(fiber={"model": "spheroid"})
     assert "jeffery1922" in keys(study={"parts": ["orbits"]})
+    assert not {"folgar1984", "verweyst1998", "bell2014"} & keys()
+    assert {"folgar1984", "verweyst1998", "bay1991"} <= keys(fiber={"domain_size": "from-content"})
+    other = keys(
+        study={"parts": ["bead", "orientation"]},
+        interaction={"closure": "ORF", "law": "phan-thien"},
+    )
+    assert {"cintra1995", "phanthien2002", "montgomerysmith2010"} <= other
+    assert not {"verweyst1998", "bay1991"} & other
+    given = keys(study={"parts": ["interaction"]}, interaction={"coefficient": 0.01})
+    assert "bay1991" not in given
+    assert {"verweyst1998", "cintra1995", "chung2002", "carlson1979"} <= given
+    wet = keys(study={"parts": ["bead", "voids"]})
+    assert {"roychowdhury2001", "blander1975", "bell2014"} <= wet
+    assert "sugden1924" not in wet
 
 
 def test_a_default_study_reads_back() -> None:

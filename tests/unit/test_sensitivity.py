@@ -229,8 +229,10 @@ def test_words(orbit_numbers: dict[str, Any], dimension_numbers: dict[str, Any])
 
 
 def test_feature_streamlines() -> None:
-    assert feature_rows((np.arange(22) + 0.5) / 22) == [3, 9, 17]
-    assert feature_rows(np.array([0.5])) == [0]
+    paper = (4, 10, 18)
+    assert feature_rows((np.arange(22) + 0.5) / 22, paper) == [3, 9, 17]
+    assert feature_rows((np.arange(22) + 0.5) / 22, (2, 30)) == [1]
+    assert feature_rows(np.array([0.5]), paper) == [0]
     found = compared(count=2, model="spheroid", aspect_ratios=(6.0,))
     assert found["feature_streamline"].to_numpy().tolist() == [1, 2]
 

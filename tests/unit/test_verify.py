@@ -2,12 +2,23 @@
 
 import json
 import math
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.verify import Check, Rung, as_dataset_rows, below, climb, order
+from fibermelt.study.files import canonical, digest
+from fibermelt.verify import (
+    LADDER_VERSION,
+    Check,
+    Rung,
+    as_dataset_rows,
+    below,
+    chosen,
+    climb,
+    order,
+)
 from fibermelt.verify.averages import balances, circle_rule, sphere_rule
 from fibermelt.verify.rungs import LADDER
 from fibermelt.verify.words import as_answer, in_words
@@ -115,8 +126,23 @@ def test_everything_in_the_ladder_is_explained() -> None:
         assert one.lowest < one.highest, one.name
         assert math.isfinite(one.highest), one.name
         assert one.lowest == 0.0 or one.kind == "order within band", one.name
-    assert {rung.subject for rung in LADDER} >= {"flow", "fiber"}
-    assert any(rung.quick for rung in LADDER if rung.subject == "flow")
+    for extent in ("brief", "quick", "full"):
+        subjects = {rung.subject for rung in chosen(LADDER, extent)}
+        assert subjects == {"flow", "fiber", "orientation", "voids"}, extent
+    assert set(chosen(LADDER, "brief")) < set(chosen(LADDER, "quick")) < set(LADDER)
+
+
+DECLARED = (1, "7196edc47e140426")
+"""The version of the ladder, and the digest of what it declares."""
+
+
+def test_a_ladder_that_declares_something_else_has_another_version() -> None:
+    """If this fails: raise LADDER_VERSION, so that no stored check is kept, and state both here."""
+    declared = [
+        [rung.subject, rung.quick, rung.brief, *(asdict(one) for one in rung.expected)]
+        for rung in LADDER
+    ]
+    assert (LADDER_VERSION, digest(canonical(declared))[:16]) == DECLARED
 
 
 @pytest.mark.parametrize(("d", "rule"), [(2, circle_rule(64)), (3, sphere_rule(16))])

@@ -5,6 +5,7 @@ import pytest
 
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.tensors import TANGENTS
+from fibermelt.verify.closures import central, generic_tensors
 
 EVERY = pytest.mark.parametrize("name", CLOSURES)
 ANALYTIC = ["linear", "quadratic", "hybrid", "IBOF"]
@@ -18,22 +19,9 @@ def rotation(seed):
     return q * np.sign(np.linalg.det(q))
 
 
-def generic():
-    """Tensors in general position, with eigenvalues a tenth or more apart."""
-    values = np.array([[0.6, 0.3, 0.1], [0.5, 0.35, 0.15], [0.8, 0.15, 0.05]])
-    axes = np.stack([rotation(seed) for seed in range(3)])
-    return np.einsum("nik,nk,njk->nij", axes, values, axes)
-
-
-def central(law, a, step):
-    up = law.fourth(a[:, None] + step * TANGENTS)
-    down = law.fourth(a[:, None] - step * TANGENTS)
-    return (up - down) / (2.0 * step)
-
-
 @EVERY
 def test_central_differences_converge_with_second_order(name):
-    law, a = CLOSURES[name], generic()
+    law, a = CLOSURES[name], generic_tensors()
     exact = law.fourth_derivative(a, TANGENTS)
     coarse, fine = (np.abs(central(law, a, h) - exact).max() for h in (2e-3, 1e-3))
     if name in ("linear", "quadratic"):
@@ -47,7 +35,7 @@ def test_central_differences_converge_with_second_order(name):
 @pytest.mark.parametrize("name", ANALYTIC)
 def test_complex_step(name):
     """Polynomials of the components continue to complex ones: no difference is formed."""
-    law, a, step = CLOSURES[name], generic(), 1e-30
+    law, a, step = CLOSURES[name], generic_tensors(), 1e-30
     exact = law.fourth_derivative(a, TANGENTS)
     stepped = law.fourth(a[:, None] + 1j * step * TANGENTS).imag / step
     # The coefficients of IBOF reach 1e10 and cancel to derivatives of order 1.

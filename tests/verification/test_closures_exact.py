@@ -5,26 +5,20 @@ import time
 import numpy as np
 import pytest
 from fiberoripy.closures import compute_closure
-from scipy.special import elliprd
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.orientation import exact_closure
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.exact_closure import ExactDeviation, central_gaussian, second_moments
+from fibermelt.verify.closures import carlson_moments, deformed_fibers
 
 EXACT = CLOSURES["exact"]
-
-
-def carlson(b):
-    """Eigenvalues of a from b by Carlson's R_D (Montgomery-Smith et al. 2011)."""
-    b1, b2, b3 = b.T
-    return np.stack([elliprd(b2, b3, b1), elliprd(b3, b1, b2), elliprd(b1, b2, b3)], axis=1) / 3
 
 
 def test_quadrature_is_carlsons_integral():
     x = np.random.default_rng(1).normal(scale=5.0, size=(500, 3))
     b = np.exp(x - x.mean(axis=1, keepdims=True))
-    assert np.allclose(second_moments(b), carlson(b), rtol=1e-13, atol=0)
+    assert np.allclose(second_moments(b), carlson_moments(b), rtol=1e-13, atol=0)
 
 
 def test_inverse_from_random_to_aligned_and_planar():
@@ -40,7 +34,7 @@ def test_inverse_from_random_to_aligned_and_planar():
         ]
     )
     b = central_gaussian(values)
-    assert np.allclose(carlson(b), values, rtol=2e-13, atol=0)
+    assert np.allclose(carlson_moments(b), values, rtol=2e-13, atol=0)
     # Nothing imposes it: the trace does.
     assert np.allclose(np.prod(b, axis=1), values.sum(axis=1) ** -2.0, rtol=1e-12, atol=0)
 
@@ -68,26 +62,6 @@ def test_planar_limit_is_the_natural_closure(split):
     assert A[0, 0, 0, 0] == pytest.approx(split * (1 + split) / 2, abs=5e-12)
     assert A[1, 1, 1, 1] == pytest.approx((1 - split) * (2 - split) / 2, abs=5e-12)
     assert A[0, 0, 1, 1] == pytest.approx(split * (1 - split) / 2, abs=5e-12)
-
-
-def deformed_fibers(F, order):
-    """Second and fourth moments of random slender fibers after the deformation F, by quadrature."""
-    z, wz = np.polynomial.legendre.leggauss(order)
-    phi = np.pi * np.arange(2 * order) / order
-    radius = np.sqrt(1 - z**2)
-    p = np.stack(
-        [
-            np.outer(radius, np.cos(phi)),
-            np.outer(radius, np.sin(phi)),
-            np.outer(z, np.ones_like(phi)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    weight = np.repeat(wz / (4.0 * order), len(phi))
-    q = p @ F.T
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
-    a = np.einsum("n,ni,nj->ij", weight, q, q)
-    return a, np.einsum("n,ni,nj,nk,nl->ijkl", weight, q, q, q, q, optimize=True)
 
 
 @pytest.mark.parametrize("shear", [0.0, 1.0, 2.0])

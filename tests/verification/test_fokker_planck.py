@@ -10,13 +10,20 @@ from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
-from fibermelt.orientation.distribution import UNIFORM, Distribution, isotropic_distribution
+from fibermelt.orientation.distribution import Distribution, isotropic_distribution
 from fibermelt.orientation.fokker_planck import (
     follow_distribution,
     rate_operator,
     steady_distribution,
 )
 from fibermelt.orientation.harmonics import evaluate_harmonics, sphere_operators
+from fibermelt.verify.distribution import (
+    folgar_tucker,
+    random_distribution,
+    random_gradient,
+    slow_shear,
+    uniaxial_moment,
+)
 
 SHEAR = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 UNIAXIAL = np.diag([1.0, -0.5, -0.5])
@@ -27,25 +34,6 @@ ROUNDING = 1e-12  # of order-one moments after a few thousand roundings
 def random_directions(count: int, seed: int) -> np.ndarray:
     p = np.random.default_rng(seed).normal(size=(count, 3))
     return p / np.linalg.norm(p, axis=1)[:, None]
-
-
-def random_gradient(seed: int) -> np.ndarray:
-    L = np.random.default_rng(seed).normal(size=(3, 3))
-    return L - np.trace(L) / 3.0 * np.eye(3)
-
-
-def random_distribution(degree: int, seed: int) -> Distribution:
-    size = (degree + 1) * (degree + 2) // 2
-    coefficients = np.random.default_rng(seed).normal(size=size)
-    coefficients[0] = UNIFORM
-    return Distribution(coefficients, degree)
-
-
-def folgar_tucker(a, A, L, xi: float, D_r: float) -> np.ndarray:
-    """The paper's Eq. 26 with the fourth moment as it is."""
-    D, W = 0.5 * (L + L.T), 0.5 * (L - L.T)
-    strained = D @ a + a @ D - 2.0 * np.einsum("ijkl,kl->ij", A, D)
-    return W @ a - a @ W + xi * strained + 2.0 * D_r * (np.eye(3) - 3.0 * a)
 
 
 def test_harmonics_are_orthonormal() -> None:
@@ -103,7 +91,7 @@ def test_uniaxial_elongation_has_a_closed_form(D_r: float, xi: float) -> None:
     # flux is zero: psi ~ exp(xi p.D p/(2 D_r)) = exp(k (p.e)^2)
     k = 0.75 * xi / D_r
     mass = quad(lambda x: np.exp(k * (x * x - 1.0)), 0.0, 1.0, epsabs=0.0, epsrel=1e-13)[0]
-    second = quad(lambda x: x * x * np.exp(k * (x * x - 1.0)), 0.0, 1.0, epsrel=1e-13)[0] / mass
+    second = uniaxial_moment(k)
     psi = steady_distribution(UNIAXIAL, xi, D_r)
     half = 0.5 * (1.0 - second)
     assert psi.second() == pytest.approx(np.diag([second, half, half]), abs=ROUNDING)
@@ -127,14 +115,7 @@ def test_any_flow_without_vorticity_has_a_closed_form() -> None:
 
 
 def test_series_of_rigid_rods_in_slow_shear() -> None:
-    # Bird, Curtiss, Armstrong and Hassager 1987, rigid dumbbells, lambda = 1/(6 D_r), rate 1/s:
-    # viscosity 3 a_22 = 1 - 18/35 w^2 + 1326/1925 w^4, first normal stress 5 a_12/w = 1 - 38/35 w^2
-    errors = []
-    for w in (0.1, 0.05):
-        a = steady_distribution(SHEAR, 1.0, 1.0 / (6.0 * w)).second()
-        viscosity = 3.0 * a[1, 1] - (1.0 - 18.0 / 35.0 * w**2 + 1326.0 / 1925.0 * w**4)
-        normal = 5.0 * a[0, 1] / w - (1.0 - 38.0 / 35.0 * w**2)
-        errors.append((viscosity, normal))
+    errors = [slow_shear(w) for w in (0.1, 0.05)]
     order = np.log2(np.abs(np.divide(*errors)))
     # what is left are the next terms of the series, w^6 and w^4; halving w from 0.1 is nearly there
     assert order == pytest.approx([6.0, 4.0], abs=0.1)

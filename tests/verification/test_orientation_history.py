@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
 from fibermelt.history import simple_shear
@@ -14,75 +13,41 @@ from fibermelt.orientation.evolve import follow_orientation
 from fibermelt.orientation.flows import FLOWS
 from fibermelt.orientation.models import RSC, FolgarTucker, Jeffery, shape_factor
 from fibermelt.orientation.tensors import isotropic
+from fibermelt.verify.orientation import (
+    DURATION,
+    FACTOR,
+    deformed_moment,
+    fifth_order_errors,
+    history_error,
+    turning_gradient,
+)
 
 Array = NDArray[np.float64]
 
-XI = 0.9
-DURATION = 3.0
+XI = FACTOR
 EXACT = CLOSURES["exact"]
 
 
-def gradient(t: float) -> Array:
-    """A history that turns, stretches and leaves the plane."""
-    c, s = np.cos(t), np.sin(t)
-    return np.array([[0.2 * c, 1.0, 0.1 * t], [0.3 * s, -0.5 * c, 0.2], [0.0, 0.1, 0.3 * c]])
-
-
-def moments(F: Array) -> Array:
-    """``<F p p F^T/|F p|^2>`` over all directions p: Gauss-Legendre by trapezoidal rule."""
-    x, weight = np.polynomial.legendre.leggauss(80)
-    angle = 2.0 * np.pi * np.arange(160) / 160
-    across = np.sqrt(1.0 - x**2)[:, None]
-    p = np.stack(
-        np.broadcast_arrays(across * np.cos(angle), across * np.sin(angle), x[:, None]), axis=-1
-    )
-    q = p @ F.T
-    q /= np.linalg.norm(q, axis=-1, keepdims=True)
-    return np.asarray(np.einsum("u,uvi,uvj->ij", weight / 320.0, q, q))
-
-
-@pytest.fixture(scope="module")
-def exact() -> Array:
-    """Jeffery's fibers from isotropy at the end: ``F_dot = (W + xi D) F`` moves every one."""
-
-    def rate(t: float, F: Array) -> Array:
-        L = gradient(t)
-        B = 0.5 * (1.0 + XI) * L - 0.5 * (1.0 - XI) * L.T
-        return np.asarray((B @ F.reshape(3, 3)).ravel())
-
-    end = solve_ivp(
-        rate, (0.0, DURATION), np.eye(3).ravel(), method="DOP853", rtol=1e-12, atol=1e-13
-    )
-    return moments(end.y[:, -1].reshape(3, 3))
-
-
-def end_error(exact: Array, points: int, tolerance: float) -> tuple[float, float]:
-    """Return error at the end, and the error estimated."""
-    time = np.linspace(0.0, DURATION, points)
-    path = (time, np.stack([gradient(t) for t in time]))
-    found = follow_orientation(Jeffery(XI), EXACT, path, isotropic(), rtol=tolerance)
-    assert found.violation == 0.0
-    return float(np.max(np.abs(found.a[-1] - exact))), float(found.error)
-
-
-def test_jeffery_with_the_exact_closure_is_exact(exact: Array) -> None:
+def test_jeffery_with_the_exact_closure_is_exact() -> None:
     """Fourth order in the spacing of the history's points, whose cubic is all that errs."""
-    errors = [end_error(exact, points, 1e-11)[0] for points in (21, 41, 81)]
+    exact = deformed_moment()
+    errors = [history_error(exact, points, 1e-11) for points in (21, 41, 81)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(np.abs(orders - 3.85) < 0.2), orders  # 4, less what the ends' slopes lack
     assert errors[-1] < 5e-9
 
 
+def test_what_is_exact_stays_in_range() -> None:
+    time = np.linspace(0.0, DURATION, 21)
+    path = (time, np.stack([turning_gradient(t) for t in time]))
+    assert follow_orientation(Jeffery(XI), EXACT, path, isotropic()).violation == 0.0
+
+
 def test_the_integrator_is_of_fifth_order() -> None:
     """A gradient that does not change is interpolated without error: one step to an interval."""
-    L = gradient(0.4) - np.eye(3) * np.trace(gradient(0.4)) / 3.0
-    ends = []
-    for points in (13, 25, 49, 385):
-        path = (np.linspace(0.0, DURATION, points), np.broadcast_to(L, (points, 3, 3)))
-        found = follow_orientation(FolgarTucker(XI, 0.02), EXACT, path, isotropic(), rtol=1.0)
-        assert found.steps == points - 1
-        ends.append(found.a[-1])
-    errors = np.array([np.max(np.abs(end - ends[-1])) for end in ends[:-1]])
+    points = (13, 25, 49)
+    errors, steps = fifth_order_errors(points, 385)
+    assert steps == [count - 1 for count in (*points, 385)]
     orders = np.log2(errors[:-1] / errors[1:])
     assert np.all(np.abs(orders - 5.0) < 0.2), orders
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.report.tables import Column, number, table
+from fibermelt.report.tables import Column, number, short, table
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
 from fibermelt.study.parameters import Declaration, declarations, flatten
@@ -146,8 +146,8 @@ def _one(item: Declaration, value: object) -> str:
         return str(value)
     unit = _unit(item)
     if not unit:
-        return number(value, DIGITS) if isinstance(value, int) else _short(value)
-    shown = _short(value / parse(f"1 {unit}", item.unit))
+        return number(value, DIGITS) if isinstance(value, int) else short(value, DIGITS)
+    shown = short(value / parse(f"1 {unit}", item.unit), DIGITS)
     return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
 
 
@@ -156,7 +156,3 @@ def _unit(item: Declaration) -> str:
     written = item.written[0] if isinstance(item.written, list) else item.written
     written = item.example if written is None else written
     return str(written).partition(" ")[2] or item.unit if item.unit else ""
-
-
-def _short(value: float) -> str:
-    return f"{value:.{DIGITS}g}".replace("-", "−")

@@ -1,10 +1,9 @@
-"""Sections of the report that hold no figure: claims, numbers, cost, versions, sources."""
+"""Sections at the end of the report: numbers, cost, versions, sources."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +11,12 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.sources import sources_of, written
-from fibermelt.report.tables import Column, measured, number, table
+from fibermelt.report.tables import Column, fixed, measured, number, table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["claims", "cost", "numbers", "sources", "versions"]
-
-VERDICTS = {"holds": "✓", "differs": "≠", "cannot be judged": "?"}
-"""Signs of the verdicts, so that no colour is needed to tell them apart."""
+__all__ = ["cost", "numbers", "sources", "versions"]
 
 MM, MPA = 1e3, 1e-6
 """Millimetres in a metre, megapascals in a pascal."""
@@ -37,52 +33,6 @@ FLOW = (
     ("Triangles of the mesh", "elements", 1, ""),
 )
 """What is told of the flow: words, name in the summary, factor and unit on the page."""
-
-
-def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
-    """Return the claims with their verdicts, by section of the paper; nothing if there are none."""
-    del results
-    listed = summary.get("claims") or []
-    if not listed:
-        return Markup()
-    count = Counter(str(claim["verdict"]) for claim in listed)
-    told = ", ".join(f"{verdict} {count[verdict]}" for verdict in VERDICTS if count[verdict])
-    groups: dict[str, list[Mapping[str, Any]]] = {}
-    for claim in listed:
-        groups.setdefault(str(claim.get("section") or "Claims"), []).append(claim)
-    columns = (
-        Column("What the paper states", is_text=True),
-        Column("Paper", is_text=True),
-        Column("Here", is_text=True),
-        Column("Verdict", is_text=True),
-    )
-    tables = [table(name, columns, map(_claim, group)) for name, group in groups.items()]
-    head = Markup(
-        "<p>{} of the paper, judged by code against the stored numbers. Verdicts: {}.</p>\n"
-    ).format(f"{len(listed)} statement{'s' if len(listed) != 1 else ''}", told)
-    return head + Markup().join(tables)
-
-
-def _claim(claim: Mapping[str, Any]) -> tuple[Markup, str, str, Markup]:
-    verdict = str(claim["verdict"])
-    label = Markup('<span class="verdict" data-verdict="{0}">{1} {0}</span>').format(
-        verdict, VERDICTS.get(verdict, "")
-    )
-    if reason := claim.get("reason"):
-        label += Markup('<br><span class="reason">{}</span>').format(reason)
-    statement = Markup('{}<br><code class="key">{}</code>').format(claim["statement"], claim["id"])
-    return statement, _told(claim.get("paper")), _told(claim.get("ours")), label
-
-
-def _told(value: object) -> str:
-    """Return what a claim holds: a text as it is, numbers with the digits that are read."""
-    if value is None:
-        return "–"
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return f"{value:.4g}".replace("-", "−")
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(_told, value))
-    return str(value)
 
 
 def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
@@ -159,7 +109,7 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         cells = [name, number(line["transit_time"], 3)]
         for location in locations:
             item = found[line["index"], location]
-            cells += [_fixed(MPA * item["mean"]), _fixed(MPA * min(item["bounds"]))]
+            cells += [fixed(MPA * item["mean"], 3), fixed(MPA * min(item["bounds"]), 3)]
         rows.append(cells)
     note = Markup(
         "<p>Lowest pressure on the fiber's surface less the melt's own: Loc. 1 lies above the "
@@ -168,10 +118,6 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         "corner, where refining the mesh gives no limit.</p>\n"
     )
     return table("Lowest pressure by streamline", columns, rows) + note
-
-
-def _fixed(value: float) -> str:
-    return f"{value:.3f}".replace("-", "−")
 
 
 def cost(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:

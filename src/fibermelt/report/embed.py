@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Embedded", "embed_figures", "embed_plates"]
 
-FIGURE_BUDGET = 4_000_000
+FIGURE_BUDGET = 3_800_000
 """Bytes that all figures together may take: the rest of the 5 MB is for the other sections."""
 
 QUALITY = 90
@@ -43,7 +43,7 @@ class Embedded:
 
     Parameters
     ----------
-    name, title, caption, alt : str
+    name, title, paper, caption, alt : str
         As in `Plate` and `Words`.
     source : str
         The figure itself, as a data address.
@@ -53,6 +53,7 @@ class Embedded:
 
     name: str
     title: str
+    paper: str
     caption: str
     alt: str
     source: str
@@ -143,4 +144,13 @@ def _embedded(
 ) -> Embedded:
     words = plate.words(results)
     width, height = struct.unpack(">II", files[f"{plate.name}.png"][16:24])
-    return Embedded(plate.name, plate.title, words.caption, words.alt, source, width, height)
+    return Embedded(
+        name=plate.name,
+        title=plate.title,
+        paper=plate.paper,
+        caption=words.caption,
+        alt=words.alt,
+        source=source,
+        width=width,
+        height=height,
+    )

@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from fibermelt.errors import StoreError
 from fibermelt.report.account import account, title_of
+from fibermelt.report.answer import answer
 from fibermelt.report.embed import embed_figures
 from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
@@ -59,14 +60,15 @@ def render(
         If the results hold no study that this fibermelt reads.
     """
     opening = account(results, summary)
-    figures = embed_figures(results, drawn)
+    figures = {figure.name: figure for figure in embed_figures(results, drawn)}
+    overview = figures.pop(OVERVIEW, None)
     page = _template().render(
         title=title_of(results),
+        answer=answer(results, summary),
         account=opening,
-        overview=next((figure for figure in figures if figure.name == OVERVIEW), None),
-        figures=[figure for figure in figures if figure.name != OVERVIEW],
+        overview=overview,
         bead=Markup(bead_data(results)) if NEEDS in results else None,  # escaped there
-        sections=told(results, summary),
+        sections=told(results, summary, figures),
         style=Markup(_file("style.css")),
         script=Markup(_file("bead.js")),
     )

@@ -130,9 +130,11 @@ def _points(results: xr.Dataset, row: int) -> list[int]:
         way += step / max(float(step.sum()), np.finfo(float).tiny)
     total = np.r_[0.0, np.cumsum(way)]
     even = np.searchsorted(total, np.linspace(0.0, total[-1], MOST_POINTS))
-    deepest = np.argmin(results["lowest"].to_numpy()[row], axis=-1)
+    less = results["lowest"].to_numpy()[row]
+    # Both are read from the page: less than the melt's own pressure, and less than the air's.
+    deepest = [np.argmin(values, axis=-1) for values in (less, less + changing[3])]
     last = len(total) - 1
-    return [int(k) for k in np.unique(np.r_[0, np.minimum(even, last), deepest, last])]
+    return [int(k) for k in np.unique(np.r_[0, np.minimum(even, last), *deepest, last])]
 
 
 def _scene(scene: Scene) -> dict[str, Any]:

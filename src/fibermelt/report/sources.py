@@ -63,21 +63,85 @@ def _always(_values: Mapping[str, Any]) -> bool:
     return True
 
 
-def _has(part: str) -> Callable[[Mapping[str, Any]], bool]:
-    return lambda values: part in values["study.parts"]
+def _has(*parts: str) -> Callable[[Mapping[str, Any]], bool]:
+    return lambda values: bool({*parts} & {*values["study.parts"]})
+
+
+_suspension = _has("interaction", "orientation")
+_voids = _has("voids")
+
+COMPARED = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
+"""Closures that the part "interaction" compares whatever the study's own is."""
 
 
 def _unbounded(values: Mapping[str, Any]) -> bool:
     """Tell whether the closed forms of a fiber in an unbounded melt answer for it."""
-    parts = values["study.parts"]
-    return values["fiber.model"] != "confined-ellipse" or bool({"orbits", "dimensions"} & {*parts})
+    parts = {"orbits", "dimensions", "interaction", "orientation", "voids"}
+    return values["fiber.model"] != "confined-ellipse" or _has(*parts)(values)
+
+
+def _confined(values: Mapping[str, Any]) -> bool:
+    """Tell whether a fiber in its cell is solved for by finite elements."""
+    if _has("interaction", "orbits", "dimensions")(values):
+        return True
+    return values["fiber.model"] == "confined-ellipse" and _has("bead")(values)
+
+
+def _interacting(values: Mapping[str, Any]) -> bool:
+    """Tell whether fibers interact: in tensors, or in what the cell's size follows from."""
+    return _suspension(values) or values["fiber.domain_size"] == "from-content"
+
+
+def _law(name: str) -> Callable[[Mapping[str, Any]], bool]:
+    def applies(values: Mapping[str, Any]) -> bool:
+        given = values["interaction.coefficient"] is not None
+        return _interacting(values) and not given and values["interaction.law"] == name
+
+    return applies
+
+
+def _closure(*names: str) -> Callable[[Mapping[str, Any]], bool]:
+    def applies(values: Mapping[str, Any]) -> bool:
+        ran = {values["interaction.closure"]} if _interacting(values) else set()
+        return bool({*names} & (ran | ({*COMPARED} if _has("interaction")(values) else set())))
+
+    return applies
 
 
 USES = (
     Use("awenlimobor2024", "the study, its melt, its fiber and its claims", _always),
     Use(
-        "jeffery1922", "motion of a fiber in an unbounded melt, and the pressure on it", _unbounded
+        "jeffery1922",
+        "a fiber in an unbounded melt: its motion, and the pressure on it",
+        _unbounded,
     ),
+    Use(
+        "zhang2011", "a fiber in its cell, free of force and torque, by finite elements", _confined
+    ),
+    Use("folgar1984", "diffusion of the orientation by interaction", _interacting),
+    Use("advani1987", "orientation tensors", _interacting),
+    Use("bay1991", "the interaction coefficient from the content", _law("bay")),
+    Use("phanthien2002", "the interaction coefficient from the content", _law("phan-thien")),
+    Use("hand1962", "the linear closure", _closure("linear")),
+    Use("doi1981", "the quadratic closure", _closure("quadratic")),
+    Use("advani1990", "the hybrid closure", _closure("hybrid")),
+    Use("cintra1995", "orthotropic closures", _closure("ORS", "ORF", "ORL")),
+    Use("verweyst1998", "the closure ORE", _closure("ORE")),
+    Use("chung2001", "the closures ORW and ORW3", _closure("ORW", "ORW3")),
+    Use("chung2002", "the closure IBOF", _closure("IBOF")),
+    Use("montgomerysmith2011", "the exact closure", _closure("exact")),
+    Use("carlson1979", "elliptic integrals of the exact closure", _closure("exact")),
+    Use("montgomerysmith2010", "the distribution itself, in spherical harmonics", _suspension),
+    Use("roychowdhury2001", "the pressure below which a bubble can grow", _voids),
+    Use("colton1987", "vapor pressure of moisture, and nucleation at a surface", _voids),
+    Use("blander1975", "the classical rate of nucleation", _voids),
+    Use("bell2014", "saturation pressure of water", _voids),
+    Use(
+        "sugden1924",
+        "surface tension from the parachor",
+        lambda values: _voids(values) and values["voids.material"] == "pla",
+    ),
+    Use("dormand1980", "steps along streamlines and of tensors", _has("bead", "orientation")),
     Use("schoberl1997", "meshes, and with NGSolve the finite elements", _always),
     Use("harris2020", "arrays", _always),
     Use("virtanen2020", "time integration, interpolation and root finding", _always),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from fibermelt.report.chapters import VERDICTS
+from fibermelt.report.judged import VERDICTS
 from fibermelt.report.tables import Column, number
 from fibermelt.report.tables import table as tables
 from fibermelt.study.sweep_claims import SweptClaim, swept_claims

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-__all__ = ["Column", "measured", "number", "table"]
+__all__ = ["Column", "fixed", "folded", "measured", "number", "percent", "short", "table"]
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -60,6 +60,29 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{mantissa} × 10{str(int(power_text)).translate(_RAISED)}".replace("-", "−")
 
 
+def short(value: float, digits: int = 6) -> str:
+    """Return a number with at most so many significant digits, and no zeros behind them."""
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
+def fixed(value: float | None, places: int) -> str:
+    """Return a number with so many decimals; a dash where there is none."""
+    if value is None or math.isnan(value):
+        return "–"
+    text = f"{value:.{places}f}"
+    return (text.lstrip("-") if float(text) == 0 else text).replace("-", "−")
+
+
+def percent(share: float | None, places: int = 2) -> str:
+    """Return a share in percent, without the sign; a dash where there is none."""
+    return fixed(None if share is None else 100.0 * share, places)
+
+
+def folded(title: str, content: Markup) -> Markup:
+    """Return content that opens at its title; it is whole in print."""
+    return Markup("<details><summary>{}</summary>\n{}</details>\n").format(title, content)
+
+
 def measured(value: float, error: float) -> str:
     """Return a number with its error estimate, written to the error's digits.
 
@@ -96,14 +119,14 @@ def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]
     """
     head = Markup().join(
         Markup('<th scope="col"{}>{}{}</th>').format(
-            _kind(column), column.title, _unit(column.unit)
+            Markup() if first else _kind(column), column.title, _unit(column.unit)
         )
-        for column in columns
+        for first, column in zip([True, *[False] * len(columns)], columns, strict=False)
     )
     body = Markup("\n").join(_row(columns, cells) for cells in rows)
     return Markup(
         '<div class="scroll" role="region" tabindex="0" aria-label="{0}">\n'
-        "<table><caption>{0}</caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
+        "<table><caption><span>{0}</span></caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
         "\n</div>\n"
     ).format(caption, head, body)
 

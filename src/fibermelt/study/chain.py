@@ -39,8 +39,14 @@ from fibermelt.study.sensitivity_summary import (
 )
 from fibermelt.study.stages import Stage
 from fibermelt.study.summary import bead_in_words, summarize_bead
+from fibermelt.study.verification_stage import verification_stage
+from fibermelt.study.verification_summary import (
+    summarize_verification,
+    verification_in_words,
+)
 from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage, with_orientation
 from fibermelt.study.void_summary import summarize_voids, voids_in_words
+from fibermelt.verify.ladder import LADDER_VERSION
 
 if TYPE_CHECKING:
     from fibermelt.study.parameters import Value
@@ -96,7 +102,7 @@ def _closed_form(values: Mapping[str, Value]) -> bool:
 
 CHAIN = Chain(
     stages=(
-        Stage("flow", 1, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
+        Stage("flow", 2, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
         ),
@@ -146,6 +152,7 @@ CHAIN = Chain(
             dimensions_stage,
             inputs_if=_from_content,
         ),
+        Stage("verification", LADDER_VERSION, ("study.ladder",), (), verification_stage),
         Stage(
             "claims", 1, CLAIM_TABLES, (), claims_stage, inputs_if=fed_by_parts, light_if=_always
         ),
@@ -159,6 +166,7 @@ CHAIN = Chain(
         Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
         Part("voids", ("voids",), summarize_voids, voids_in_words),
+        Part("verification", ("verification",), summarize_verification, verification_in_words),
         Part("claims", ("claims",), summarize_claims, claims_in_words),
     ),
     version=2,

@@ -201,7 +201,7 @@ def judge(claim: Claim, value: float, missing: str = "") -> Judgement:
     return Judgement(claim, value, "differs", reason)
 
 
-CLAIM_TABLES = ("flow", "fiber", "interaction", "study.parts")
+CLAIM_TABLES = ("flow", "fiber", "interaction")
 """What of a study the quantities read besides the results."""
 
 STAGES_OF = {

@@ -52,24 +52,34 @@ def _edge(default: float, doc: str) -> float:
     return edge
 
 
-PartName = Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"]
+PartName = Literal[
+    "bead",
+    "orientation",
+    "interaction",
+    "orbits",
+    "dimensions",
+    "voids",
+    "verification",
+    "claims",
+]
 """What can be asked for; the chain has a part of each name."""
 
 
 class What(Section):
     """What is computed: a study can be of a bead, of a single fiber, or of both."""
 
-    parts: tuple[
-        Literal["bead", "orientation", "interaction", "orbits", "dimensions", "voids", "claims"],
-        ...,
-    ] = setting(
+    parts: tuple[PartName, ...] = setting(
         ["bead"],
         'What is computed. "bead": fibers along the streamlines of the deposition flow; '
         '"orientation": orientation tensors along them; "interaction": from fiber content to the '
         'size of the cell; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
-        '"voids": where in the bead voids can start; "claims": whether the paper\'s claims hold in '
-        "what the other parts found.",
+        '"voids": where in the bead voids can start; "verification": what this installation is '
+        'checked against; "claims": whether the paper\'s claims hold in what the others found.',
+    )
+    ladder: Literal["brief", "quick", "full"] = setting(
+        "brief",
+        'How much "verification" checks: in about 5 s, in 10 s, or as fibermelt verify does.',
     )
 
     @model_validator(mode="after")
@@ -292,6 +302,14 @@ class Streamlines(Section):
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
     )
     points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
+    features: tuple[int, ...] = setting(
+        [4, 10, 18],
+        "Streamlines that are looked at one by one; where there are none of these numbers, those "
+        "of the same share of the flux as the paper's.",
+        ge=1,
+        le=1000,
+        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+    )
 
 
 class Interaction(Section):

@@ -9,6 +9,7 @@ computes is imported when the stage runs.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.study.fiber_stages import domain_size, stored_model, stored_path
@@ -34,6 +35,7 @@ DIMENSIONS_PARAMETERS = (
     "fiber.initial_angles",
     "numerics.cell_order",
     "numerics.angle_tolerance",
+    "streamlines.features",
 )
 """What `dimensions_stage` reads."""
 
@@ -65,19 +67,25 @@ def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dat
     )
 
 
-def feature_rows(flux_fraction: NDArray[np.float64]) -> list[int]:
-    """Return the rows of the paper's streamlines 4, 10 and 18 of 22.
+def feature_rows(flux_fraction: NDArray[np.float64], features: Sequence[int]) -> list[int]:
+    """Return the rows of the streamlines that are looked at one by one.
 
-    Of another number of streamlines, those that share the flux most nearly as these do.
+    Those of the numbers asked for that exist; if none does, those that share the flux most nearly
+    as the paper's 4, 10 and 18 of 22.
 
     Parameters
     ----------
     flux_fraction : (n,) array
         Share of the flux on each streamline's left.
+    features : sequence of int
+        Their numbers, from 1.
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    rows = [int(np.argmin(np.abs(flux_fraction - (k - 0.5) / PAPER_COUNT))) for k in FEATURES]
+    rows = [number - 1 for number in features if number <= len(flux_fraction)]
+    if not rows:
+        shares = [(k - 0.5) / PAPER_COUNT for k in FEATURES]
+        rows = [int(np.argmin(np.abs(flux_fraction - share))) for share in shares]
     return list(dict.fromkeys(rows))
 
 
@@ -136,7 +144,7 @@ def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) 
     """Return the lowest pressures along the feature streamlines, by model."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    rows = feature_rows(lines["flux_fraction"].to_numpy())
+    rows = feature_rows(lines["flux_fraction"].to_numpy(), parameters["streamlines.features"])
     chosen = lines.isel(streamline=rows)
     path, middle = stored_path(chosen), chosen["middle_time"].to_numpy()
     found = [_lowest_along(parameters, path, model, middle) for model in models]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError
 from fibermelt.study.orientation_variables import ORIENTATION_VARIABLES
 from fibermelt.study.sensitivity_variables import SENSITIVITY_VARIABLES
+from fibermelt.study.verification_variables import VERIFICATION_VARIABLES
 from fibermelt.study.void_variables import VOID_VARIABLES
 
 if TYPE_CHECKING:
@@ -135,6 +136,7 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
     **ORIENTATION_VARIABLES,
     **SENSITIVITY_VARIABLES,
     **VOID_VARIABLES,
+    **VERIFICATION_VARIABLES,
 }
 """``{name: (dimensions, unit, long name)}``; a pure number has the unit 1."""
 

@@ -8,6 +8,26 @@ while developing, is in docs/verification.md.
 
 from __future__ import annotations
 
-from fibermelt.verify.ladder import Check, Expectation, Rung, as_dataset_rows, below, climb, order
+from fibermelt.verify.ladder import (
+    LADDER_VERSION,
+    Check,
+    Expectation,
+    Rung,
+    as_dataset_rows,
+    below,
+    chosen,
+    climb,
+    order,
+)
 
-__all__ = ["Check", "Expectation", "Rung", "as_dataset_rows", "below", "climb", "order"]
+__all__ = [
+    "LADDER_VERSION",
+    "Check",
+    "Expectation",
+    "Rung",
+    "as_dataset_rows",
+    "below",
+    "chosen",
+    "climb",
+    "order",
+]

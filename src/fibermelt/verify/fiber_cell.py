@@ -183,6 +183,7 @@ RUNGS = (
         ),
         _series,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -205,6 +206,7 @@ RUNGS = (
         ),
         _circle_in_circle,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -228,5 +230,6 @@ RUNGS = (
         ),
         _newton_raphson,
         quick=True,
+        brief=True,
     ),
 )

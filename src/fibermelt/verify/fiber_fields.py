@@ -123,6 +123,7 @@ RUNGS = (
         ),
         _ellipse_surroundings,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -160,5 +161,6 @@ RUNGS = (
         ),
         _ellipsoid_surroundings,
         quick=True,
+        brief=True,
     ),
 )

@@ -114,6 +114,7 @@ RUNGS = (
         ),
         _orbit_extreme,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -146,6 +147,7 @@ RUNGS = (
         ),
         _spheroid_tips,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -161,6 +163,7 @@ RUNGS = (
         ),
         _integrals,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -176,6 +179,7 @@ RUNGS = (
         ),
         _cylinder_limit,
         quick=True,
+        brief=True,
     ),
 )
 """All quick: nothing here is solved."""

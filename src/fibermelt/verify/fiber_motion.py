@@ -194,6 +194,7 @@ RUNGS = (
         ),
         _jeffery_orbits,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -218,6 +219,7 @@ RUNGS = (
         ),
         _against_runge_kutta,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",
@@ -239,6 +241,7 @@ RUNGS = (
         ),
         _orders_in_spacing,
         quick=True,
+        brief=True,
     ),
     Rung(
         "fiber",

@@ -65,6 +65,7 @@ RUNGS: tuple[Rung, ...] = (
         ),
         _swell_quick,
         quick=True,
+        brief=True,
     ),
     Rung(
         "flow",
@@ -79,6 +80,7 @@ RUNGS: tuple[Rung, ...] = (
         ),
         _newton,
         quick=True,
+        brief=True,
     ),
     Rung(
         "flow",

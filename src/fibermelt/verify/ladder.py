@@ -16,9 +16,27 @@ from typing import Any, Literal
 
 from fibermelt.errors import FibermeltError, legible
 
-__all__ = ["Check", "Expectation", "Kind", "Rung", "as_dataset_rows", "below", "climb", "order"]
+__all__ = [
+    "LADDER_VERSION",
+    "Check",
+    "Expectation",
+    "Extent",
+    "Kind",
+    "Rung",
+    "as_dataset_rows",
+    "below",
+    "chosen",
+    "climb",
+    "order",
+]
 
 Kind = Literal["error below bound", "order within band"]
+
+Extent = Literal["brief", "quick", "full"]
+"""How much of the ladder: what a study stores by default, what takes ten seconds, all of it."""
+
+LADDER_VERSION = 1
+"""Raised whenever a check is added, changed or moved, or what it checks: no stored one is kept."""
 
 LONGEST_REASON = 400
 """Characters of an error message that a check keeps: all of those that fibermelt itself writes."""
@@ -100,12 +118,15 @@ class Rung:
         Returns their numbers, in the same order.
     quick : bool
         Whether it is part of the quick ladder: a second or so.
+    brief : bool
+        Whether it is also part of the brief one, which a study stores: all of it in six seconds.
     """
 
     subject: str
     expected: tuple[Expectation, ...]
     measure: Callable[[], Sequence[float]]
     quick: bool
+    brief: bool = False
 
 
 def below(
@@ -126,6 +147,13 @@ def order(
     Parameters as in `Expectation`.
     """
     return Expectation(name, what, reference, because, "order within band", *band, "")
+
+
+def chosen(rungs: Iterable[Rung], extent: Extent) -> tuple[Rung, ...]:
+    """Return the rungs of a ladder that belong to its brief, quick or full one."""
+    if extent == "full":
+        return tuple(rungs)
+    return tuple(rung for rung in rungs if (rung.brief if extent == "brief" else rung.quick))
 
 
 def climb(

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from fibermelt.verify import (
+    closures,
+    distribution,
     fiber_cell,
     fiber_fields,
     fiber_forms,
     fiber_motion,
     flow,
     free_surface,
+    models,
+    orientation,
+    voids,
 )
 from fibermelt.verify.ladder import Rung
 
@@ -19,6 +24,11 @@ LADDER: tuple[Rung, ...] = (
     *fiber_fields.RUNGS,
     *fiber_motion.RUNGS,
     *fiber_cell.RUNGS,
+    *closures.RUNGS,
+    *distribution.RUNGS,
+    *models.RUNGS,
+    *orientation.RUNGS,
+    *voids.RUNGS,
     *free_surface.RUNGS,
     *flow.RUNGS,
 )

@@ -10,7 +10,7 @@ from typing import Any
 
 from fibermelt.verify.ladder import Check, as_dataset_rows
 
-__all__ = ["as_answer", "in_words"]
+__all__ = ["as_answer", "in_words", "versions"]
 
 COMPUTES = ("fibermelt", "ngsolve", "numpy", "scipy")
 """Packages that make the numbers: what a report of a failure has to name."""
@@ -40,7 +40,7 @@ def as_answer(checks: Sequence[Check]) -> dict[str, Any]:
         "checks": rows,
         "passed": passed,
         "failed": len(checks) - passed,
-        "software": _versions(),
+        "software": versions(),
     }
 
 
@@ -71,7 +71,7 @@ def in_words(checks: Sequence[Check]) -> str:
         lines += ["", f"FAIL  {check.subject}  {check.name}", f"      {check.what}"]
         lines += [f"      {check.failure or f'the bound: {check.because}'}"]
         lines += [f"      reference: {check.reference}"]
-    software = ", ".join(f"{name} {number}" for name, number in _versions().items())
+    software = ", ".join(f"{name} {number}" for name, number in versions().items())
     seconds = sum(check.seconds for check in checks)
     total = f"{len(checks) - len(failed)} of {len(checks)} checks pass in {seconds:.1f} s"
     return "\n".join([*lines, "", f"{total} ({software})"])
@@ -93,8 +93,8 @@ def _required(check: Check) -> str:
     return f"at most {check.highest:g} {check.unit}".rstrip()
 
 
-def _versions() -> dict[str, str]:
-    """Return the versions of what computes."""
+def versions() -> dict[str, str]:
+    """Return the versions of what computes, by name."""
     found = {"python": platform.python_version()}
     for name in COMPUTES:
         try:

@@ -62,6 +62,13 @@
     return low.reduce((best, v, k) => (v < low[best] ? k : best), 0);
   };
 
+  const inView = () => {
+    const [left, right, bottom, top] = data.scene[state.view];
+    const where = between(line().time, state.time);
+    const x = value(line().x, where), y = value(line().y, where);
+    return x >= left && x <= right && y >= bottom && y <= top;
+  };
+
   // The bead.
   const scene = at("scene");
   let place = null; // from mm to pixels
@@ -299,6 +306,7 @@
   for (const view of ["whole", "exit"]) {
     at(`view-${view}`).addEventListener("click", () => {
       state.view = view;
+      if (!inView()) state.time = line().time[deepest()];
       for (const other of ["whole", "exit"]) at(`view-${other}`).setAttribute("aria-pressed", String(other === view));
       show();
     });

@@ -1,0 +1,193 @@
+"""The answer in a few plain sentences: what was run, is there a risk, where, and what to do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from markupsafe import Markup
+
+from fibermelt.report.account import parameters
+from fibermelt.report.judged import tally
+from fibermelt.report.risk import advice, worst_line
+from fibermelt.report.tables import fixed, short
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["answer"]
+
+MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
+
+FIBERS = {
+    "confined-ellipse": "ellipses in their cells",
+    "ellipse": "unbounded ellipses",
+    "spheroid": "unbounded spheroids",
+}
+"""What stands for the fibers, in words."""
+
+PARTS = {
+    "interaction": "from fiber content to the size of the cell",
+    "orbits": "one fiber in simple shear",
+    "dimensions": "a plane ellipse against a spheroid",
+    "claims": "the paper’s claims",
+    "verification": "the verification ladder",
+}
+"""What a study without a bead is of, in words."""
+
+
+def answer(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return what was run, and what an engineer asks, each in a sentence of stored numbers.
+
+    Parameters
+    ----------
+    results, summary : Dataset, mapping
+        The store. Without a bead there is no risk to tell, without voids no moisture to hold the
+        pressures against.
+    """
+    lines = [Markup('<p class="lead">{}</p>\n').format(_run(results, summary))]
+    asked = _asked(results, summary)
+    if asked:
+        items = Markup().join(
+            Markup("<div><dt>{}</dt><dd>{}</dd></div>\n").format(question, told)
+            for question, told in asked
+        )
+        lines.append(Markup('<dl class="answer">\n{}</dl>\n').format(items))
+    if listed := summary.get("claims"):
+        words = Markup('<p class="fine">Of {} statements of the paper: {} (<a href="#claims">')
+        lines.append(words.format(len(listed), tally(listed)) + Markup("each of them</a>).</p>\n"))
+    return Markup().join(lines)
+
+
+def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
+    values = parameters(results)
+    parts = values["study.parts"]
+    if "flow" not in summary:
+        return f"No bead: {', '.join(PARTS.get(part, part) for part in parts)}."
+    length = 2e6 * values["fiber.half_length"]
+    return (
+        f"A bead {fixed(MM * summary['flow']['bead_height'], 2)} mm high, laid at "
+        f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
+        f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
+        f"{short(values['melt.viscosity'])} Pa s; fibers {short(length)} µm long, of aspect "
+        f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
+        f"{len(summary['streamlines'])} streamlines."
+    )
+
+
+def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the questions that the store answers, each with its answer."""
+    if "voids" in summary:
+        found = summary["voids"]
+        worst = worst_line(found)
+        if worst is None:
+            return [("What to do?", advice(found))]
+        return [
+            ("Can it void?", _risk(found)),
+            ("Where?", _where(found, worst)),
+            ("What to do?", advice(found)),
+        ]
+    if "bound_lowest" in results:
+        return _without_moisture(results)
+    return _of_a_fiber(summary)
+
+
+def _of_a_fiber(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what a study without a bead found of a single fiber."""
+    found = []
+    if "orbits" in summary:
+        base = summary["orbits"]["cases"][0]
+        cell, free = base["confined-ellipse"], base["ellipse"]
+        turns = "stalls" if cell["period"] is None else f"turns in {fixed(cell['period'], 2)} s"
+        found.append(
+            (
+                "How does it turn?",
+                f"A fiber of aspect ratio {short(base['aspect_ratio'])} at "
+                f"{short(base['shear_rate'])} 1/s {turns} in its cell, in "
+                f"{fixed(free['period'], 2)} s without one; the pressure on it falls to "
+                f"{fixed(KPA * cell['min_pressure'], 2)} kPa less the far field’s, to "
+                f"{fixed(KPA * free['min_pressure'], 2)} kPa without.",
+            )
+        )
+    if "interaction" in summary:
+        one = summary["interaction"]
+        found.append(
+            (
+                "Which cell?",
+                f"M = {fixed(one['domain_size'], 3)}: a fiber in it stalls at "
+                f"{fixed(math.degrees(one['preferred_angle']), 2)}°, where most fibers lie at the "
+                f"content’s C_I of {short(one['interaction'], 4)}.",
+            )
+        )
+    return found
+
+
+def _risk(found: Mapping[str, Any]) -> str:
+    lowest, margin = found["lowest_pressure"], found["margin"]
+    vapor = (
+        f"the vapor pressure of {short(PERCENT * found['moisture'], 3)} % moisture at "
+        f"{found['temperature'] - CELSIUS:.0f} °C, {fixed(MPA * found['vapor_pressure'], 2)} MPa"
+    )
+    on = "on a fiber in its worst direction the pressure"
+    if margin >= 0:
+        return f"No: {on} stays above {vapor}, by {fixed(MPA * margin, 2)} MPa."
+    share = found["share_below"]
+    of = "all of the melt" if share == 1 else f"{PERCENT * share:.0f} % of the melt"
+    return (
+        f"Yes: {on} falls to {fixed(MPA * lowest, 2)} MPa absolute, {fixed(-MPA * margin, 2)} MPa "
+        f"below {vapor}, and {of} sometime sees less than that pressure."
+    )
+
+
+def _place(x: float, y: float) -> str:
+    side = "downstream" if x >= 0 else "upstream"
+    return (
+        f"{fixed(MM * abs(x), 1)} mm {side} of the nozzle’s axis and {fixed(MM * y, 1)} mm above "
+        "the bed"
+    )
+
+
+def _where(found: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
+    told = (
+        f"The lowest pressure is met {_place(worst['x'], worst['y'])}, on streamline "
+        f"{worst['index']}, which ends {fixed(MM * worst['height'], 1)} mm up in the bead"
+    )
+    layers = [layer for layer in found["profile"] if layer["fiber_pressure"] is not None]
+    if len(layers) < 2:
+        return f"{told}."
+    low, high = (
+        extreme(layers, key=lambda layer: float(layer["fiber_pressure"])) for extreme in (min, max)
+    )
+    return (
+        f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
+        f"{fixed(MM * low['height'], 1)} mm and highest {fixed(MM * high['height'], 1)} mm "
+        "above the bed."
+    )
+
+
+def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
+    """Return what is known of a bead of which no moisture was told."""
+    regular = np.flatnonzero(results["near_singularity"].to_numpy() == 0)
+    if not regular.size:
+        return []
+    lines = results.isel(streamline=regular)
+    local = lines["pressure"].to_numpy() + lines["bound_lowest"].to_numpy()
+    row, point = np.unravel_index(int(np.argmin(local)), local.shape)
+    lowest = float(local[row, point])
+    at = lines.isel(streamline=int(row), point=int(point))
+    below = "below" if lowest < 0 else "above"
+    return [
+        (
+            "Can it void?",
+            "Not judged, as no moisture was told: on a fiber in its worst direction the pressure "
+            f"falls to {fixed(MPA * abs(lowest), 2)} MPa {below} the atmosphere’s.",
+        ),
+        (
+            "Where?",
+            f"It is met {_place(float(at['x']), float(at['y']))}, on streamline "
+            f"{int(at['streamline'])}.",
+        ),
+        ("What to do?", 'Add "voids" to study.parts: it tells at what moisture a bubble can grow.'),
+    ]

@@ -1,0 +1,253 @@
+"""Where the bead can void, in tables, and what would keep it from that, in a sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from fibermelt.report.tables import Column, fixed, folded, number, percent, short, table
+from fibermelt.voids.constants import ATMOSPHERE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["advice", "voids", "worst_line"]
+
+MM, MPA, MS, NM, PERCENT = 1e3, 1e-6, 1e3, 1e9, 100.0
+"""From SI to the units of the page."""
+
+CELSIUS = 273.15
+
+WHOSE = {
+    "melt": "the melt itself, without fibers",
+    "fibers": "worst of the initial angles",
+    "bounds": "any direction of a fiber",
+    "spheroid": "any direction of an unbounded spheroid",
+    "oriented tips": "tips of spheroids, mean over their orientation",
+}
+"""Whose lowest pressure, in words; what is not here is a share of isotropic fibers."""
+
+
+def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Return the streamline of the lowest pressure; None if all pass a singular corner."""
+    regular = [line for line in found["streamlines"] if not line["near_singularity"]]
+    return min(regular, key=lambda line: float(line["lowest_pressure"]), default=None)
+
+
+def advice(found: Mapping[str, Any]) -> str:
+    """Return what would keep the bead free of voids, in a sentence.
+
+    Stokes flow of a Newtonian melt has all pressures over the air's in proportion to the speeds:
+    by ``p_air / (p_air - P_L)`` of them the lowest absolute pressure ``P_L`` < 0 is zero.
+
+    Parameters
+    ----------
+    found : mapping
+        What summary.json has under ``"voids"``.
+    """
+    critical, lowest = found["critical_moisture"], found["lowest_pressure"]
+    if lowest is None:
+        return "Not told: every streamline passes a singular corner; follow more of them."
+    if critical is None:
+        return "Nothing: no moisture that the polymer can hold starts a void."
+    if critical > 0:
+        below = f"below {number(PERCENT * critical, 2)} % moisture no void starts on any fiber"
+        if found["moisture"] < critical:
+            return f"Keep it this dry: {below}."
+        return f"Dry the material: {below}."
+    slower = percent(ATMOSPHERE / (ATMOSPHERE - lowest), 0)
+    tension = (
+        "at fibers in their worst direction the melt is under tension, which no drying helps, "
+        f"until both speeds are below {slower} % of these"
+    )
+    alone = found["by_basis"]["melt"]["critical_moisture"]
+    if not alone or found["moisture"] < alone:
+        return f"Slow down: {tension}."
+    return (
+        f"Dry below {number(PERCENT * alone, 2)} %, so that the melt between the fibers cannot "
+        f"boil, and slow down: {tension}."
+    )
+
+
+def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return where the bead can void: vapor pressure, lowest pressures, profile, assumptions."""
+    del results
+    found = summary["voids"]
+    words = Markup(
+        "<p>{} % moisture in {} at {:.0f} °C has a vapor pressure of {} MPa; saturated, at {} %, "
+        "it would be {} MPa. A bubble can grow where the melt’s local pressure is lower. That is "
+        "necessary, and it suffices where gas is there already, in a crevice or at a fiber’s end. "
+        "All pressures of this section are absolute.</p>\n"
+    ).format(
+        short(PERCENT * found["moisture"], 3),
+        found["material"]["name"],
+        found["temperature"] - CELSIUS,
+        fixed(MPA * found["vapor_pressure"], 3),
+        short(PERCENT * found["saturation_moisture"], 3),
+        fixed(MPA * found["saturation_pressure"], 3),
+    )
+    return Markup().join(
+        [
+            words,
+            _nucleation(found),
+            Markup("<p>What to do. {}</p>\n").format(advice(found)),
+            _by_basis(found),
+            _profile(found),
+            _lines(found),
+            _assumed(found["material"]),
+        ]
+    )
+
+
+def _nucleation(found: Mapping[str, Any]) -> Markup:
+    """Return what a bubble without any gas to start from would take."""
+    worst = worst_line(found)
+    if worst is None or not worst["critical_radius"]:
+        return Markup()
+    rate = worst["log10_rate"]
+    told = f"A new bubble there would have to reach {NM * worst['critical_radius']:.0f} nm."
+    if rate is not None:
+        told += (
+            " The classical rate of nucleation, in 1/(m³ s), has the decimal logarithm "
+            f"{number(rate, 3)}: none."
+            if rate < 0
+            else f" The classical rate of nucleation is 10 to the {number(rate, 3)} 1/(m³ s)."
+        )
+    if (wetting := worst["required_wetting"]) is not None:
+        told += (
+            " It starts only on a surface that leaves no more than "
+            f"{number(PERCENT * wetting, 2)} % of the barrier"
+        )
+        angle = worst["required_angle"]
+        # Stored as Young's angle, through the melt: a surface that the melt does not wet.
+        told += (
+            "." if angle is None else f": a contact angle of {math.degrees(angle):.0f}° or more."
+        )
+    return Markup("<p>{}</p>\n").format(told)
+
+
+def _mpa(value: float | None) -> str:
+    return fixed(None if value is None else MPA * value, 3)
+
+
+def _moisture(value: float | None) -> str:
+    """Return a critical moisture [%]; where none suffices, there is none to tell."""
+    return "none" if value is None else number(PERCENT * value, 2)
+
+
+def _whose(basis: str) -> str:
+    share = basis.removeprefix("isotropic ")
+    return WHOSE.get(basis, f"{share} of fibers from an isotropic start see less")
+
+
+def _by_basis(found: Mapping[str, Any]) -> Markup:
+    columns = (
+        Column("Whose pressure", is_text=True),
+        Column("Lowest", "MPa"),
+        Column("Margin to vapor", "MPa"),
+        Column("Critical moisture", "%"),
+        Column("its mean by flux", "%"),
+        Column("Share of the melt below vapor", "%"),
+    )
+    rows = [
+        (
+            _whose(basis),
+            _mpa(one["lowest_pressure"]),
+            _mpa(one["margin"]),
+            _moisture(one["critical_moisture"]),
+            _moisture(one["mean_critical_moisture"]),
+            percent(one["share_below"], 0),
+        )
+        for basis, one in found["by_basis"].items()
+    ]
+    note = Markup(
+        "<p>Without streamlines that pass close by a singular corner. A margin below zero: a "
+        "bubble can grow. A critical moisture of 0: the melt is under tension, and no drying "
+        "helps; none: no moisture that the polymer can hold suffices. With those streamlines the "
+        "lowest is {} MPa in any direction of a fiber.</p>\n"
+    ).format(_mpa(found["including_singular"]["lowest_pressure"]))
+    return table("Lowest local pressure in the bead", columns, rows) + note
+
+
+def _profile(found: Mapping[str, Any]) -> Markup:
+    columns = (
+        Column("Height in the bead", "mm"),
+        Column("Fibers of the initial angles, mean", "MPa"),
+        Column("Any direction, mean", "MPa"),
+        Column("Any direction, lowest", "MPa"),
+        Column("Time below vapor", "ms"),
+        Column("Critical moisture", "%"),
+        Column("Any direction, mean, with singular ones", "MPa"),
+    )
+    rows = [
+        (
+            fixed(MM * layer["height"], 2),
+            _mpa(layer["fiber_pressure"]),
+            _mpa(layer["mean_pressure"]),
+            _mpa(layer["lowest_pressure"]),
+            fixed(None if layer["time_below"] is None else MS * layer["time_below"], 0),
+            "–" if layer["lowest_pressure"] is None else _moisture(layer["critical_moisture"]),
+            _mpa(layer["including_singular"]["mean_pressure"]),
+        )
+        for layer in reversed(found["profile"])
+    ]
+    return table("From the free surface down to the bed, means by flux", columns, rows)
+
+
+def _lines(found: Mapping[str, Any]) -> Markup:
+    columns = (
+        Column("Streamline", is_text=True),
+        Column("Height in the bead", "mm"),
+        Column("Lowest", "MPa"),
+        Column("at x", "mm"),
+        Column("at y", "mm"),
+        Column("Time below vapor", "ms"),
+        Column("Critical radius", "nm"),
+        Column("log10 of the rate", "1/(m³ s)"),
+        Column("Barrier left at onset", "%"),
+        Column("Critical moisture", "%"),
+    )
+    rows = [
+        (
+            f"{line['index']}{'*' if line['near_singularity'] else ''}",
+            fixed(MM * line["height"], 2),
+            _mpa(line["lowest_pressure"]),
+            fixed(MM * line["x"], 2),
+            fixed(MM * line["y"], 2),
+            fixed(None if line["time_below"] is None else MS * line["time_below"], 0),
+            fixed(None if line["critical_radius"] is None else NM * line["critical_radius"], 1),
+            number(line["log10_rate"], 3),
+            number(_of(PERCENT, line["required_wetting"]), 2),
+            _moisture(line["critical_moisture"]),
+        )
+        for line in found["streamlines"]
+    ]
+    caption = "Each streamline, any direction of a fiber; * passes close to a singular corner"
+    return folded("Streamline by streamline", table(caption, columns, rows))
+
+
+def _of(factor: float, value: float | None) -> float | None:
+    return None if value is None else factor * value
+
+
+def _assumed(material: Mapping[str, Any]) -> Markup:
+    """Return what of the material's card is an estimate, and what it lacks."""
+    lines = [
+        "The melt has one temperature and one viscosity everywhere.",
+        "Moisture has no time to leave the melt before the bead is laid.",
+        *(f"Not known: {hole}." for hole in material["missing"]),
+    ]
+    if material["estimates"]:
+        keys = Markup(", ").join(
+            Markup('<code class="key">{}</code>').format(key) for key in material["estimates"]
+        )
+        lines.append(
+            Markup("Estimates rather than measurements, of the card {}: {}.").format(
+                material["key"], keys
+            )
+        )
+    items = Markup().join(Markup("<li>{}</li>\n").format(line) for line in lines)
+    return Markup("<h3>Assumptions</h3>\n<ul>\n{}</ul>\n").format(items)

@@ -1,0 +1,304 @@
+"""The report's sections: each number is the stored one, and none is told that is not stored."""
+
+from __future__ import annotations
+
+import copy
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from stored_bead import stored_results, stored_summary
+from suspended_fibers import interacting, oriented
+from turned_fibers import compared, turned
+
+from fibermelt.report.answer import answer
+from fibermelt.report.embed import Embedded
+from fibermelt.report.figures import FIGURES
+from fibermelt.report.judged import claims, verification
+from fibermelt.report.risk import advice, voids
+from fibermelt.report.sections import FURTHER, SECTIONS, told
+from fibermelt.report.single_fibers import dimensions, shear
+from fibermelt.report.suspensions import content, orientation
+from fibermelt.report.tables import fixed, number, percent, short
+from fibermelt.study.orientation_summary import summarize_interaction, summarize_orientation
+from fibermelt.study.sensitivity_summary import summarize_dimensions, summarize_orbits
+from fibermelt.study.void_summary import summarize_voids
+
+MPA = 1e-6
+
+
+def rows(html: str, caption: str) -> list[list[str]]:
+    """Return the cells of a table's body as a reader sees them."""
+    start = html.index(f"<caption><span>{caption}")
+    body = html[html.index("<tbody>", start) : html.index("</tbody>", start)]
+    return [
+        [re.sub(r"<[^>]+>", " ", cell).strip() for cell in re.findall(r"<t[hd].*?>(.*?)</t", row)]
+        for row in re.findall(r"<tr>(.*?)</tr>", body, re.S)
+    ]
+
+
+@pytest.fixture(scope="module")
+def orbits() -> dict[str, Any]:
+    return summarize_orbits(turned())
+
+
+def test_table_1_stands_with_ours_and_the_papers_beside_jefferys(orbits: dict[str, Any]) -> None:
+    html = shear(xr.Dataset(), orbits)
+    for sweep, what in (("aspect_ratio", "aspect ratio"), ("shear_rate", "shear rate")):
+        stored = [row for row in orbits["orbits"]["periods"] if row["sweep"] == sweep]
+        assert len(stored) == 3
+        for shown, row in zip(rows(html, f"Time of a full turn by {what}"), stored, strict=True):
+            assert shown == [
+                short(row[sweep]),
+                fixed(row["jeffery"], 2),
+                fixed(row["ours"], 2),
+                percent(row["ours_above_jeffery"]),
+                fixed(row["paper"], 2),
+                percent(row["paper_above_jeffery"]),
+            ]
+    assert "M = 28" in html
+    lows = rows(html, "Lowest pressure on the fiber’s surface")
+    cases = [case for case in orbits["orbits"]["cases"] if case["sweep"] != "base"]
+    assert [row[3] for row in lows] == [
+        number(1e-3 * case["confined-ellipse"]["min_pressure"]) for case in cases
+    ]
+
+
+def test_a_fiber_that_stalls_has_no_period(orbits: dict[str, Any]) -> None:
+    stalled = copy.deepcopy(orbits)
+    row = stalled["orbits"]["periods"][0]
+    row["ours"] = row["ours_above_jeffery"] = row["paper"] = row["paper_above_jeffery"] = None
+    shown = rows(shear(xr.Dataset(), stalled), "Time of a full turn by aspect ratio")[0]
+    assert shown[2:] == ["–"] * 4
+
+
+def test_two_dimensions_stand_against_three() -> None:
+    summary = summarize_dimensions(compared())
+    found = summary["dimensions"]
+    html = dimensions(xr.Dataset(), summary)
+    peaks = rows(html, "Highest pressure in simple shear")
+    assert [row[-1] for row in peaks] == [
+        number(peak["spheroid_over_ellipse"]) for peak in found["peaks"]
+    ]
+    along = rows(html, "Lowest surface pressure along streamlines")
+    assert [row[:2] for row in along] == [[k, at] for k in ("4", "10", "18") for at in ("1", "2")]
+    by = {(row["streamline"], row["location"], row["model"]): row for row in found["streamlines"]}
+    for row in along:
+        spheroid = by[int(row[0]), int(row[1]), "spheroid"]
+        assert row[-2:] == [fixed(MPA * spheroid[key], 3) for key in ("lowest", "bound")]
+
+
+@pytest.fixture(scope="module")
+def suspension() -> xr.Dataset:
+    return interacting()
+
+
+def test_content_leads_to_the_cell_by_both_conventions(suspension: xr.Dataset) -> None:
+    results = suspension
+    summary = summarize_interaction(results)
+    found = summary["interaction"]
+    html = content(results, summary)
+    told = {row[0]: row[1] for row in rows(html, "The study’s content")}
+    assert told["Interaction coefficient C_I"] == number(found["interaction"])
+    assert told["Domain size M in which a fiber stalls at it"] == number(found["domain_size"])
+    off = rows(html, "Largest difference from the computed curves")
+    assert off[0][1:3] == [number(found["difference_from_eq_32"])] * 2
+    assert off[2][1:3] == [
+        number(found["difference_from_eq_34"][name]) for name in ("standard", "paper")
+    ]
+    curves = rows(html, "Preferred angle and domain size by convention")
+    sizes = results["interaction_domain_size"].sel(convention="paper").to_numpy()
+    assert [row[-1] for row in curves] == [fixed(size, 3) for size in sizes]
+
+
+def test_a_closure_that_is_not_compared_has_no_angles(suspension: xr.Dataset) -> None:
+    results = suspension
+    other = results.assign(interaction_closure="ORL")
+    assert "Angle, standard" in content(results, summarize_interaction(results))
+    assert "Angle, standard" not in content(other, summarize_interaction(results))
+
+
+def test_the_tensor_at_the_outlet_is_told_by_streamline() -> None:
+    results = oriented(count=6)
+    html = orientation(results, summarize_orientation(results))
+    shown = rows(html, "Orientation tensor at the outlet")
+    last = results["orientation"].to_numpy()[:, -1]
+    for row, tensor in zip(shown, last, strict=True):
+        assert row[1:5] == [fixed(tensor[i, j], 3) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1))]
+        # The principal axis in the plane, by another way.
+        axis = np.linalg.eigh(tensor[:2, :2])[1][:, -1]
+        assert float(row[5].replace("−", "-")) == pytest.approx(
+            np.degrees(np.arctan(axis[1] / axis[0])), abs=0.0501
+        )
+    near = results["near_singularity"].to_numpy().astype(bool)
+    assert ["*" in row[0] for row in shown] == near.tolist()
+    assert fixed(float(results["closure_error"].max()), 3) in html
+    left = results.assign(orientation_violation=("streamline", np.full(6, 0.25)))
+    assert "by up to 0.25" in orientation(left, summarize_orientation(left))
+
+
+@pytest.fixture(scope="module")
+def bead() -> xr.Dataset:
+    return stored_results()
+
+
+@pytest.fixture(scope="module")
+def risk(bead: xr.Dataset) -> dict[str, Any]:
+    return {**stored_summary(bead), **summarize_voids(bead)}
+
+
+def test_where_it_can_void_is_told_as_it_is_stored(risk: dict[str, Any]) -> None:
+    found = risk["voids"]
+    html = voids(xr.Dataset(), risk)
+    assert f"{fixed(MPA * found['vapor_pressure'], 3)} MPa" in html
+    by_basis = rows(html, "Lowest local pressure in the bead")
+    assert [row[1] for row in by_basis] == [
+        fixed(MPA * one["lowest_pressure"], 3) for one in found["by_basis"].values()
+    ]
+    profile = rows(html, "From the free surface down to the bed")
+    heights = [float(row[0]) for row in profile]
+    assert heights == sorted(heights, reverse=True)
+    bottom = found["profile"][0]
+    assert profile[-1][1] == (
+        "–" if bottom["fiber_pressure"] is None else fixed(MPA * bottom["fiber_pressure"], 3)
+    )
+    lines = rows(html, "Each streamline, any direction of a fiber")
+    assert [row[2] for row in lines] == [
+        fixed(MPA * line["lowest_pressure"], 3) for line in found["streamlines"]
+    ]
+    for assumed in (*found["material"]["estimates"], *found["material"]["missing"]):
+        assert assumed in html
+
+
+def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """Return what is stored of voids, changed."""
+    return {**copy.deepcopy(summary["voids"]), **changes}
+
+
+def test_the_advice_follows_from_the_critical_moisture(risk: dict[str, Any]) -> None:
+    melt = {"melt": {"critical_moisture": 2e-4}}
+    wet = told_of(risk, moisture=1e-3, by_basis=melt)
+    assert advice({**wet, "critical_moisture": None, "lowest_pressure": 1e5}).startswith("Nothing")
+    dry = {**wet, "critical_moisture": 4e-4, "lowest_pressure": 1e4}
+    assert advice(dry).startswith("Dry the material: below 0.040 %")
+    assert advice({**dry, "moisture": 3e-4}).startswith("Keep it this dry: below 0.040 %")
+    # One atmosphere over as much tension: at half of the speeds the lowest pressure is zero.
+    tension = {**wet, "critical_moisture": 0.0, "lowest_pressure": -101325.0}
+    assert "below 50 % of these" in advice(tension)
+    assert advice(tension).startswith("Dry below 0.020 %")
+    assert advice({**tension, "moisture": 1e-4}).startswith("Slow down")
+    assert advice({**wet, "lowest_pressure": None}).startswith("Not told")
+
+
+def test_the_answer_is_yes_or_no_by_the_margin(bead: xr.Dataset, risk: dict[str, Any]) -> None:
+    low = {"lowest_pressure": -5e5, "margin": -8e5, "critical_moisture": 0.0, "share_below": 0.25}
+    html = answer(bead, {**risk, "voids": told_of(risk, **low)})
+    assert "Yes: on a fiber in its worst direction the pressure falls to −0.50 MPa" in html
+    assert "0.80 MPa below the vapor pressure" in html
+    assert "25 % of the melt" in html
+    high = {"lowest_pressure": 9e5, "margin": 1e5, "critical_moisture": None}
+    html = answer(bead, {**risk, "voids": told_of(risk, **high)})
+    assert "No: on a fiber in its worst direction the pressure stays above" in html
+    assert "by 0.10 MPa" in html
+
+
+def test_the_answer_tells_the_place_that_is_stored(bead: xr.Dataset, risk: dict[str, Any]) -> None:
+    found = told_of(risk)
+    regular = [line for line in found["streamlines"] if not line["near_singularity"]]
+    worst = min(regular, key=lambda line: line["lowest_pressure"])
+    worst["x"], worst["y"] = -0.00123, 0.0045
+    html = answer(bead, {**risk, "voids": found})
+    assert f"streamline {worst['index']}, which ends" in html
+    assert "1.2 mm upstream of the nozzle’s axis and 4.5 mm above the bed" in html
+
+
+def test_without_moisture_the_answer_keeps_to_the_pressures(bead: xr.Dataset) -> None:
+    html = answer(bead, stored_summary(bead))
+    regular = bead.isel(streamline=np.flatnonzero(bead["near_singularity"].to_numpy() == 0))
+    lowest = float((regular["pressure"] + regular["bound_lowest"]).min())
+    assert f"{fixed(MPA * abs(lowest), 2)} MPa {'below' if lowest < 0 else 'above'}" in html
+    assert "Not judged, as no moisture was told" in html
+    alone = answer(bead.assign(near_singularity=bead["near_singularity"] * 0 + 1), {"cost": {}})
+    assert "Can it void?" not in alone
+    assert "No bead: " in alone
+
+
+def test_without_a_bead_the_answer_is_of_a_fiber(
+    bead: xr.Dataset, orbits: dict[str, Any], suspension: xr.Dataset
+) -> None:
+    summary = {**orbits, **summarize_interaction(suspension)}
+    html = answer(xr.Dataset(attrs=bead.attrs), summary)
+    base = orbits["orbits"]["cases"][0]
+    assert f"turns in {fixed(base['confined-ellipse']['period'], 2)} s in its cell" in html
+    assert f"{fixed(1e-3 * base['ellipse']['min_pressure'], 2)} kPa without" in html
+    assert f"M = {fixed(summary['interaction']['domain_size'], 3)}" in html
+
+
+CLAIM = {"statement": "s", "paper": "1", "ours": "2", "reason": "why", "measure": "what of it"}
+
+
+def test_claims_are_counted_by_section_of_the_paper() -> None:
+    listed = [
+        {**CLAIM, "id": "a", "section": "2.3, Table 1", "verdict": "holds"},
+        {**CLAIM, "id": "b", "section": "2.3, Fig. 8-9, and 4", "verdict": "differs"},
+        {**CLAIM, "id": "c", "section": "3 and 4", "verdict": "cannot be judged"},
+    ]
+    html = claims(xr.Dataset(), {"claims": listed})
+    assert rows(html, "Verdicts") == [
+        ["Section 2.3, one fiber in simple shear", "1", "1", "0", "2"],
+        ["Section 3, fibers in the bead", "0", "0", "1", "1"],
+        ["In all", "1", "1", "1", "3"],
+    ]
+    assert len(rows(html, "Section 2.3, one fiber")) == 2
+    assert html.count('type="radio"') == 4
+    assert html.count('checked=""') == 1
+    assert "what of it" in html
+
+
+CHECKS: dict[str, Any] = {
+    "name": ["Couette", "cell"],
+    "subject": ["flow", "fiber"],
+    "what": ["drag against exact", "spin"],
+    "reference": ["exact", ""],
+    "value": [3.2e-9, np.nan],
+    "lowest": [0.0, 1.8],
+    "highest": [1e-8, 2.2],
+    "unit": ["Pa", ""],
+    "passed": np.array([1, 0], dtype=np.int8),
+}
+
+
+def test_checks_are_told_where_they_are_stored() -> None:
+    stored = xr.Dataset({f"check_{name}": ("check", list(CHECKS[name])) for name in CHECKS})
+    html = verification(stored, {})
+    assert "1 of 2 checks pass" in html
+    assert rows(html, "Flow")[0][1:] == ["3.20 × 10⁻⁹ Pa", "at most 1.00 × 10⁻⁸ Pa", "✓ pass"]
+    assert rows(html, "Fiber")[0][1:] == ["–", "1.80 to 2.20", "✗ fail"]
+    more = {"check_failure": ("check", ["", "it did not converge"]), "check_software": "scipy 1"}
+    html = verification(stored.assign(more), {})
+    assert "it did not converge" in rows(html, "Fiber")[0][0]
+    assert "with scipy 1" in html
+
+
+def embedded(name: str) -> Embedded:
+    return Embedded(name, name, "", "caption", "alt", "data:,", 10, 10)
+
+
+def test_each_figure_stands_once_and_where_it_belongs(bead: xr.Dataset) -> None:
+    asked = [name for section in SECTIONS for name in section.figures]
+    names = {plate.name for plate in FIGURES}
+    assert len(asked) == len({*asked})
+    assert {*asked} == names - {"overview"}
+    figures = {name: embedded(name) for name in (*asked, "new")}
+    found = told(bead, stored_summary(bead), figures)
+    placed = [figure.name for one in found for figure in one.figures]
+    assert sorted(placed) == sorted(figures)
+    last = next(one for one in found if one.section is FURTHER)
+    assert [figure.name for figure in last.figures] == ["new"]
+
+
+def test_what_is_not_stored_is_left_out(bead: xr.Dataset) -> None:
+    found = {one.section.name for one in told(bead, stored_summary(bead, claims=False), {})}
+    assert found == {"numbers", "cost", "versions", "sources"}
