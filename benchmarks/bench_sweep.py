@@ -1,4 +1,4 @@
-"""Sweeps: two workers against one, and what a case costs besides its fibers.
+"""Sweeps: two workers against one, what a case costs besides its fibers, flows from neighbours.
 
 Ratios, so that they mean the same on another machine; only a quiet one tells the truth.
 """
@@ -108,3 +108,35 @@ def test_overhead_of_a_case(benchmark: BenchmarkFixture, swept: tuple[Path, Path
     whole = cases_taken(swept, 0) / CASES
     benchmark.extra_info |= {"fibers_ms": alone * 1e3, "overhead_ms": (whole - alone) * 1e3}
     print(f"\na case: {alone * 1e3:.1f} ms of fibers, {(whole - alone) * 1e3:.1f} ms besides")
+
+
+GAPS = """preset = "paper"
+[fiber]
+model = "ellipse"
+[streamlines]
+count = 3
+points = 200
+[sweep]
+"flow.gap" = { from = "2.7 mm", to = "3.6 mm", count = 5 }
+"""
+
+
+def test_flows_from_neighbours(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
+    """Five flows, the one in the middle from cold, against all from cold: their own times."""
+    study = tmp_path / "gaps.toml"
+    study.write_text(GAPS)
+    one = load_study(str(study))
+
+    def flows_took(name: str, *, cold: bool) -> list[float]:
+        sweep, out = read_sweep(one, cold=cold), tmp_path / name
+        run_sweep(sweep, one, out, CHAIN, workers=0)
+        store, jobs = Store.open(out), plan_sweep(sweep, one, CHAIN).jobs.values()
+        records = [store.find("flow", job.key) for job in jobs if job.stage == "flow"]
+        costs = [record.cost for record in records if record is not None]
+        assert len(costs) == 5
+        return costs
+
+    cold = flows_took("cold", cold=True)
+    warm = benchmark.pedantic(flows_took, args=("warm",), kwargs={"cold": False}, rounds=1)
+    benchmark.extra_info |= {"cold_s": cold, "warm_s": warm, "times_faster": sum(cold) / sum(warm)}
+    print(f"\nflows: {sum(cold):.1f} s from cold, {sum(warm):.1f} s from one another")

@@ -18,7 +18,7 @@ import xarray as xr
 from fibermelt.errors import ConvergenceError, FibermeltError
 from fibermelt.study.loading import load_study
 from fibermelt.study.parts import Chain, Part
-from fibermelt.study.stages import Parameters, Stage
+from fibermelt.study.stages import Neighbour, Parameters, Stage
 from fibermelt.study.sweep import read_sweep
 from fibermelt.study.sweep_collect import collect_sweep
 from fibermelt.study.sweep_runner import run_sweep
@@ -56,7 +56,17 @@ def flow(parameters: Parameters, inputs: object, say: object) -> xr.Dataset:
     if gap < 2.1e-3:
         msg = "flow.gap = 0.002 m: no steady surface; try a larger gap"
         raise ConvergenceError(msg)
-    return _labelled(bead=((), 2 * gap), field=(("node",), np.arange(PAYLOAD) * gap))
+    return _labelled(
+        bead=((), 2 * gap), trace=((), gap), field=(("node",), np.arange(PAYLOAD) * gap)
+    )
+
+
+def flow_from(
+    parameters: Parameters, inputs: object, say: object, neighbour: Neighbour
+) -> xr.Dataset:
+    """Find what is found from cold, and tell from where it started, and that from where."""
+    found = flow(parameters, inputs, say)
+    return found.assign(trace=found["trace"] + 1e-2 * neighbour.data["trace"].values)
 
 
 def cell(parameters: Parameters, inputs: object, say: object) -> xr.Dataset:
@@ -76,7 +86,7 @@ def motion(parameters: Parameters, inputs: dict[str, xr.Dataset], say: object) -
 
 
 STAGES = (
-    Stage("flow", 1, ("flow", "melt"), (), flow),
+    Stage("flow", 1, ("flow", "melt"), (), flow, compute_from=flow_from),
     Stage("cell", 1, ("fiber.aspect_ratio",), (), cell, light_if=lambda values: True),
     Stage("motion", 1, ("fiber.initial_angles",), ("flow", "cell"), motion),
 )

@@ -51,6 +51,10 @@ RetryOption = Annotated[
     bool, typer.Option("--retry-failed", help="Try cases again that had no answer.")
 ]
 
+ColdOption = Annotated[
+    bool, typer.Option("--cold", help="Have no flow start from that of a neighbouring case.")
+]
+
 
 class _Notes:
     """Prints nothing; keeps what was mended in the folder, which must not go unsaid."""
@@ -93,6 +97,7 @@ def sweep(
     scheduler: SchedulerOption = None,
     sets: SetOption = None,
     retry_failed: RetryOption = False,
+    cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run every case of a study with a table [sweep]; what is stored already is reused."""
@@ -102,7 +107,7 @@ def sweep(
         from fibermelt.study.sweep import read_sweep  # noqa: PLC0415
 
         swept = load_study(study, sets or [])
-        return read_sweep(swept), swept
+        return read_sweep(swept, cold=cold), swept
 
     _go(read, out, workers, scheduler, retry_failed, as_json)
 
@@ -183,6 +188,7 @@ def plan(
         str | None, typer.Option("--out", metavar="DIR", help="Results folder to look into.")
     ] = None,
     sets: SetOption = None,
+    cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Show the cases of a sweep, which stages they share, and what is already done."""
@@ -194,7 +200,7 @@ def plan(
 
         swept = load_study(study, sets or [])
         folder = Path("results", swept.name) if out is None else _existing_name(out)
-        listed = list_plan(read_sweep(swept), swept, CHAIN, folder)
+        listed = list_plan(read_sweep(swept, cold=cold), swept, CHAIN, folder)
         say(json.dumps(listed, indent=1) if as_json else _plan_in_words(listed))
 
 
@@ -207,6 +213,11 @@ def _plan_in_words(listed: dict[str, Any]) -> str:
     for name, count in listed["stages"].items():
         kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
         lines.append(f"{name:<16}{count['results']} for all cases{kept}")
+        if "warm" in count:
+            started = (
+                f"{count['warm']} start from a neighbour, {count['scaled']} are scaled from one"
+            )
+            lines.append(f"{'':<16}{started}: at least {count['levels']} one after the other")
     for case in listed["each"][:LISTED]:
         point = ", ".join(f"{key} = {_number(value)}" for key, value in case["point"].items())
         lines.append(f"{case['case']:>6}  {case['status']:<8}  {point}")

@@ -19,6 +19,9 @@ OVERSAMPLING = 4
 TAYLOR_ORDER = 7
 """Terms of the local expansions: ``0.4^8/8!`` is below 1e-7 of a harmonic that is itself tiny."""
 
+POWERS = np.arange(1.0, TAYLOR_ORDER + 1)
+"""Factors that the terms of an expansion get when it is differentiated."""
+
 NEWTON_STEPS = 6
 """Newton steps on ``P'(s).e = 0``: quadratic from half an expansion spacing, three suffice."""
 
@@ -83,8 +86,8 @@ class TrigonometricCurve:
         for _ in range(NEWTON_STEPS):
             index, offset = self._nearest(s)
             height = np.einsum("k...i,...i->k...", self.terms[:, index, :], direction)
-            first = _horner(_derivative(height), offset)
-            second = _horner(_derivative(_derivative(height)), offset)
+            slope = _derivative(height)
+            first, second = _horner(slope, offset), _horner(_derivative(slope), offset)
             concave = second < 0.0
             step = np.where(concave, -first / np.where(concave, second, -1.0), 0.0)
             s += np.clip(step, -self.spacing, self.spacing)
@@ -116,11 +119,7 @@ class TrigonometricCurve:
         for at in range(0, flat.size, block):
             part = flat[at : at + block]
             heights = np.stack([np.cos(part), np.sin(part)], axis=-1) @ coarse.T
-            lower = (heights < np.roll(heights, 1, axis=1)) | (
-                heights < np.roll(heights, -1, axis=1)
-            )
-            heights[lower] = -np.inf
-            candidates = np.argpartition(heights, -CANDIDATES, axis=1)[:, -CANDIDATES:]
+            candidates = _highest_tops(heights)
             phases = np.broadcast_to(part[:, None], candidates.shape)
             refined = self.maximise(phases, candidates * (SEARCH_STRIDE * self.spacing))
             point = self.point(refined)
@@ -128,6 +127,28 @@ class TrigonometricCurve:
             best = np.argmax(value, axis=1)
             found[at : at + block] = refined[np.arange(part.size), best]
         return fold_angle(found).reshape(np.shape(phase))
+
+
+def _highest_tops(heights: Array) -> Index:
+    """Return the places of the highest local maxima of each row, a ring; ``heights`` is used up.
+
+    A row with fewer of them than `CANDIDATES` has its first place instead.
+    """
+    higher = heights[:, 1:] > heights[:, :-1]
+    seam = heights[:, 0] > heights[:, -1]
+    lower = heights[:, 1:] < heights[:, :-1]
+    edge = heights[:, 0] < heights[:, -1]
+    below = np.empty(heights.shape, dtype=bool)
+    below[:, 1:], below[:, 0] = lower, edge
+    below[:, :-1] |= higher
+    below[:, -1] |= seam
+    heights[below] = -np.inf
+    rows = np.arange(len(heights))
+    tops = np.empty((len(heights), CANDIDATES), dtype=np.intp)
+    for k in range(CANDIDATES):
+        tops[:, k] = np.argmax(heights, axis=1)
+        heights[rows, tops[:, k]] = -np.inf
+    return tops
 
 
 def _horner(coefficients: Array, x: Array) -> Array:
@@ -138,7 +159,7 @@ def _horner(coefficients: Array, x: Array) -> Array:
 
 
 def _derivative(coefficients: Array) -> Array:
-    powers = np.arange(1, coefficients.shape[0]).reshape((-1,) + (1,) * (coefficients.ndim - 1))
+    powers = POWERS[: len(coefficients) - 1].reshape((-1,) + (1,) * (coefficients.ndim - 1))
     derived: Array = coefficients[1:] * powers
     return derived
 

@@ -9,6 +9,7 @@ The gradient between the path's points, and the error control, are in `fibermelt
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -26,9 +27,11 @@ __all__ = [
     "angle_to_stream",
     "angle_to_stream_at",
     "checked_angles",
+    "deformation_along",
     "follow",
     "isotropic_angles",
     "paper_angles",
+    "turned",
 ]
 
 Array = NDArray[np.float64]
@@ -122,11 +125,30 @@ def follow(
         If an interval needs more than ``2**16`` sub-steps.
     """
     angles = checked_angles(initial_angles)
+    deformation, substeps = deformation_along(path, shape_factor, tolerance)
+    return turned(path, shape_factor, angles, deformation, substeps)
+
+
+@lru_cache(maxsize=1)
+def deformation_along(
+    path: Path, shape_factor: float, tolerance: float = ANGLE_TOLERANCE
+) -> tuple[Propagator, int]:
+    """Return the map ``F`` from the start of a path to each of its points, leading shape (..., n).
+
+    The last one is kept at hand: any number of initial angles shares it. Parameters and errors as
+    in `follow`; second comes the largest number of sub-steps of an interval.
+    """
     if not (np.isfinite(shape_factor) and tolerance > 0):
         msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
         raise ConfigError(msg)
     steps, substeps = interval_propagators(path, shape_factor, tolerance)
-    deformation = cumulate(steps)
+    return cumulate(steps), substeps
+
+
+def turned(
+    path: Path, shape_factor: float, angles: Array, deformation: Propagator, substeps: int
+) -> Motion:
+    """Return the motion of fibers whose path's `deformation_along` is known."""
     at_angles = Propagator(
         deformation.matrix[..., None, :, :, :],
         deformation.scale[..., None, :],

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 class Path(Protocol):
     """What a fiber needs of a material point: a `FlowHistory` or a `PathBundle`."""
 
+    def __hash__(self) -> int:
+        """Return a number by which the path itself is known again, not its values."""
+
     @property
     def time(self) -> Array:
         """Time [s], shape (..., n), strictly increasing."""

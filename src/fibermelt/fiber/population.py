@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.extremes import extremes
-from fibermelt.fiber.motion import follow, isotropic_angles
+from fibermelt.fiber.motion import deformation_along, isotropic_angles, turned
 from fibermelt.fiber.paths import Path, single_paths
 from fibermelt.fiber.pressure import surface_pressure
 from fibermelt.fiber.response import FiberResponse
@@ -80,10 +80,12 @@ def isotropic_pressure(
     ConfigError
         If a level lies outside [0, 1], or as in `follow`, `surface_pressure` and `extremes`.
     """
-    initial = isotropic_angles(count)
+    initial, factor = isotropic_angles(count), response.shape_factor
+    whole, substeps = deformation_along(path, factor)
+    lines = iter(whole.lines())
 
     def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
-        motion = follow(one, response.shape_factor, initial)
+        motion = turned(one, factor, initial, next(lines), substeps)
         pressure = surface_pressure(one, response, viscosity, motion)
         return pressure.lowest, pressure.highest, extremes(one, pressure, motion, middle).value
 

@@ -17,6 +17,7 @@ from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_s
 from fibermelt.study.fiber_stages import cell_stage, motion_stage
 from fibermelt.study.flow_stages import (
     FLOW_NUMERICS,
+    flow_from,
     flow_stage,
     streamlines_stage,
     write_fields,
@@ -102,7 +103,15 @@ def _closed_form(values: Mapping[str, Value]) -> bool:
 
 CHAIN = Chain(
     stages=(
-        Stage("flow", 2, ("flow", "melt", *FLOW_NUMERICS), (), flow_stage),
+        Stage(
+            "flow",
+            2,
+            ("flow", "melt", *FLOW_NUMERICS),
+            (),
+            flow_stage,
+            compute_from=flow_from,
+            scaled=("melt",),
+        ),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
         ),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.stages import Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
@@ -19,7 +19,14 @@ if TYPE_CHECKING:
     from fibermelt.flow.problem import Deposition
     from fibermelt.flow.start import StartShape
 
-__all__ = ["FLOW_NUMERICS", "flow_stage", "start_from", "streamlines_stage", "write_fields"]
+__all__ = [
+    "FLOW_NUMERICS",
+    "flow_from",
+    "flow_stage",
+    "start_from",
+    "streamlines_stage",
+    "write_fields",
+]
 
 FLOW_NUMERICS = {
     "numerics.flow_order": "order",
@@ -83,7 +90,31 @@ def flow_stage(
     from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
 
     numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
-    solution = solve_deposition(_problem(parameters), numerics, progress=say, start=start)
+    return _stored(solve_deposition(_problem(parameters), numerics, progress=say, start=start))
+
+
+def flow_from(parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour) -> xr.Dataset:
+    """Solve the deposition flow from the surfaces of a neighbour.
+
+    Where the two differ in nothing but the melt, the neighbour's flow is the answer with its
+    pressures scaled (`fibermelt.flow.rescale`), and nothing is solved.
+    """
+    from fibermelt.flow.rescale import rescaled  # noqa: PLC0415  lazy: see the module
+
+    if _but_for_the_melt(parameters) != _but_for_the_melt(neighbour.parameters):
+        return flow_stage(parameters, inputs, say, start=start_from(neighbour.data))
+    say("the same flow of another melt: pressures scaled")
+    solution = _solution(neighbour.parameters, neighbour.data)
+    return _stored(rescaled(solution, _problem(parameters).melt))
+
+
+def _but_for_the_melt(parameters: Parameters) -> dict[str, Any]:
+    """Return all parameters that decide more than the scale of pressures."""
+    return {key: value for key, value in parameters.items() if not key.startswith("melt.")}
+
+
+def _stored(solution: FlowSolution) -> xr.Dataset:
+    """Return a flow as it is stored."""
     field = solution.field
     arrays: dict[str, Any] = {
         "node_x": field.points[:, 0],

@@ -13,7 +13,17 @@ if TYPE_CHECKING:
 
     from fibermelt.study.parameters import Value
 
-__all__ = ["Compute", "Inputs", "Parameters", "Say", "Stage", "keys", "stage_parameters"]
+__all__ = [
+    "Compute",
+    "ComputeFrom",
+    "Inputs",
+    "Neighbour",
+    "Parameters",
+    "Say",
+    "Stage",
+    "keys",
+    "stage_parameters",
+]
 
 
 class Parameters(Mapping[str, Any]):
@@ -60,6 +70,26 @@ Compute = Callable[[Parameters, Inputs, Say], "xr.Dataset"]
 """From parameters and the data of the inputs to data."""
 
 
+@dataclass(frozen=True, eq=False)
+class Neighbour:
+    """The same stage of another case, finished.
+
+    Parameters
+    ----------
+    parameters : Parameters
+        What it read.
+    data : xarray.Dataset
+        Its data.
+    """
+
+    parameters: Parameters
+    data: xr.Dataset
+
+
+ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], "xr.Dataset"]
+"""As `Compute`, beginning with what a neighbour found."""
+
+
 def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return no stage: most have the same inputs in every study."""
     return ()
@@ -93,6 +123,11 @@ class Stage:
     light_if : callable, optional
         From the resolved study to whether it costs less to compute than to store: a sweep then
         computes it again for each batch of cases that needs it.
+    compute_from : callable, optional
+        Does it from the result of a neighbour, to the same answer within its stated error: in a
+        sweep, where neighbours abound. It is no part of the stage's key.
+    scaled : tuple of str
+        Keys or tables to whose values ``compute_from`` brings a neighbour's result by scaling.
     """
 
     name: str
@@ -103,6 +138,8 @@ class Stage:
     told_with: str = ""
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
+    compute_from: ComputeFrom | None = None
+    scaled: tuple[str, ...] = ()
 
     @property
     def heading(self) -> str:

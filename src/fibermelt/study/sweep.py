@@ -136,6 +136,8 @@ class Sweep:
         Number of samples.
     seed : int
         Of the samples.
+    is_cold : bool
+        Whether no stage is to start from the result of a neighbouring case.
     """
 
     tables: Mapping[str, Any]
@@ -143,6 +145,7 @@ class Sweep:
     design: Design = "grid"
     samples: int = 0
     seed: int = 0
+    is_cold: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -235,8 +238,10 @@ class Sweep:
         return Case(index, {key: values[key] for key in keys}, config)
 
 
-def read_sweep(study: Study) -> Sweep:
+def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     """Return the sweep that a study holds.
+
+    With ``cold`` no stage is to start from the result of a neighbouring case.
 
     Raises
     ------
@@ -270,6 +275,7 @@ def read_sweep(study: Study) -> Sweep:
         design=design,
         samples=_whole(table, "samples", 0),
         seed=_whole(table, "seed", 0),
+        is_cold=cold,
     )
     _fits(sweep)
     return sweep

@@ -8,14 +8,15 @@ whose last stages are the same have the same results, whatever else varies.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fibermelt.study.collection import COLLECTION
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.parameters import flatten
-from fibermelt.study.stages import keys
+from fibermelt.study.stages import Parameters, keys, stage_parameters
+from fibermelt.study.sweep_starts import neighbours
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
@@ -70,12 +71,24 @@ class Job:
         One of the cases that need it.
     needs : tuple of str
         Keys of the kept stages that must be there first.
+    neighbour : str
+        Key of the same stage of another case, from which it starts; empty: from cold.
+    is_scaled : bool
+        Whether it is the neighbour's result but for a scale (`Stage.scaled`).
     """
 
     stage: str
     key: str
     case: PlannedCase
     needs: tuple[str, ...]
+    neighbour: str = ""
+    is_scaled: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Return what is done, in words: what has one kind costs about the same."""
+        start = " scaled" if self.is_scaled else " warm" if self.neighbour else ""
+        return f"{self.stage}{start}"
 
 
 @dataclass(frozen=True)
@@ -102,6 +115,23 @@ class Plan:
         for case in self.cases:
             found.setdefault(case.result, case)
         return found
+
+    def starts(self, cases: Iterable[PlannedCase]) -> dict[str, PlannedCase]:
+        """Return a case with the neighbour of every stage of some cases, and theirs, by its key."""
+        found: dict[str, PlannedCase] = {}
+        left = list(cases)
+        while left:
+            for key in left.pop().keys.values():
+                job = self.jobs.get(key)
+                if job is not None and job.neighbour and key not in found:
+                    found[key] = self.jobs[job.neighbour].case
+                    left.append(found[key])
+        return found
+
+    def level(self, key: str) -> int:
+        """Return how many stages come one after the other before a stage, by way of neighbours."""
+        job = self.jobs[key]
+        return 1 + self.level(job.neighbour) if job.neighbour else 0
 
     def shared(self) -> dict[str, int]:
         """Return how many different results of each stage the cases need, by its name."""
@@ -153,7 +183,29 @@ def plan_sweep(sweep: Sweep, study: Study, chain: Chain) -> Plan:
         replace(case, kept=tuple(name for name in case.kept if case.keys[name] not in own))
         for case in cases
     ]
-    return Plan(base, cases, _jobs(base, cases, needed))
+    jobs = _jobs(base, cases, needed)
+    return Plan(base, cases, jobs if sweep.is_cold else _warmed(base, jobs, chain))
+
+
+def _warmed(base: Mapping[str, Value], jobs: Mapping[str, Job], chain: Chain) -> dict[str, Job]:
+    """Return the stages to keep with the neighbours from which they start."""
+    warmed = dict(jobs)
+    for stage in chain.stages:
+        mine = [job for job in jobs.values() if job.stage == stage.name]
+        if stage.compute_from is None or len(mine) < 2:
+            continue
+        read = [stage_parameters(stage, {**base, **job.case.changes}) for job in mine]
+        for job, own, place in zip(mine, read, neighbours(read, stage.scaled), strict=True):
+            if place is not None:
+                scaled = _same(own, read[place], stage.scaled)
+                warmed[job.key] = replace(job, neighbour=mine[place].key, is_scaled=scaled)
+    return warmed
+
+
+def _same(one: Parameters, other: Parameters, but: tuple[str, ...]) -> bool:
+    """Tell whether parameters are alike but for some keys or tables."""
+    differing = (key for key, value in one.items() if other[key] != value)
+    return all(key in but or key.partition(".")[0] in but for key in differing)
 
 
 def _last(stages: tuple[Stage, ...], values: Mapping[str, Value]) -> tuple[str, ...]:

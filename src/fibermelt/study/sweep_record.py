@@ -51,6 +51,8 @@ class Asked:
         Values on each axis of a grid, else the number of cases.
     is_grid : bool
         Whether every combination is there.
+    is_cold : bool
+        Whether no stage starts from the result of a neighbouring case.
     stages : tuple of (str, str, bool)
         Name and key of every stage of any case, and whether it is kept.
     cases : tuple of AskedCase
@@ -61,6 +63,7 @@ class Asked:
     axes: tuple[tuple[str, ...], ...]
     shape: tuple[int, ...]
     is_grid: bool
+    is_cold: bool
     stages: tuple[tuple[str, str, bool], ...]
     cases: tuple[AskedCase, ...]
 
@@ -103,6 +106,7 @@ def asked(sweep: Sweep, study: Study, plan: Plan) -> dict[str, Any]:
         "axes": [list(axis.keys) for axis in sweep.axes],
         "shape": list(sweep.shape),
         "is_grid": sweep.design == "grid",
+        "is_cold": sweep.is_cold,
         "stages": stages,
         "cases": cases,
     }
@@ -131,6 +135,8 @@ def read_asked(cases: CaseStore) -> Asked:
         axes=tuple(tuple(keys) for keys in content["axes"]),
         shape=tuple(content["shape"]),
         is_grid=content["is_grid"],
+        # None did where the file does not say.
+        is_cold=content.get("is_cold", True),
         stages=tuple((name, key, kept) for name, key, kept in content["stages"]),
         cases=tuple(
             AskedCase(case["point"], case["result"], tuple(case["stages"]))
@@ -148,7 +154,7 @@ def restored(cases: CaseStore) -> tuple[Sweep, Study]:
         If it holds none, one that is damaged, or one whose cases come out otherwise now.
     """
     found = read_asked(cases)
-    sweep = read_sweep(found.study)
+    sweep = read_sweep(found.study, cold=found.is_cold)
     then = [dict(case.point) for case in found.cases]
     now = [
         {key: list(value) if isinstance(value, tuple) else value for key, value in point.items()}

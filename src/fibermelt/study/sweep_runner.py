@@ -145,6 +145,8 @@ class _Work:
     waiting: dict[str, list[Job | PlannedCase]] = field(default_factory=dict)
     ready: dict[str, deque[Job | PlannedCase]] = field(default_factory=dict)
     alone: deque[Job | PlannedCase] = field(default_factory=deque)
+    leading: deque[Job | PlannedCase] = field(default_factory=deque)
+    leaders: set[str] = field(default_factory=set)
     later: deque[tuple[float, Job | PlannedCase]] = field(default_factory=deque)
     pace: dict[str, _Pace] = field(default_factory=dict)
     stages_left: set[str] = field(default_factory=set)
@@ -165,13 +167,14 @@ class _Work:
             if reason := next((k for k in case.keys.values() if k in failures), ""):
                 self.failed[case.result] = reason
         todo = [case for case in todo if case.result not in self.failed]
-        needed = self._needed(todo)
         there = {key for key, job in self.plan.jobs.items() if self._is_stored(job)}
         self.reused = len(there)
-        self.stages_left = needed - there
+        self.stages_left = self._needed(todo, there | set(failures))
+        self.leaders = {self.plan.jobs[key].neighbour for key in self.stages_left}
         for key, job in self.plan.jobs.items():
             if key in self.stages_left:
-                self._await(job, key, [need for need in job.needs if need in self.stages_left])
+                needs = {*job.needs, job.neighbour} & self.stages_left
+                self._await(job, key, sorted(needs))
         # Cases that share their stages follow one another: each worker reads them once.
         for case in sorted(todo, key=lambda case: tuple(case.keys.values())):
             needs = {case.keys[name] for name in case.kept} & self.stages_left
@@ -181,9 +184,16 @@ class _Work:
     def _is_stored(self, job: Job) -> bool:
         return stage_folder(self.cases.directory, job.stage, job.key).is_dir()
 
-    def _needed(self, todo: list[PlannedCase]) -> set[str]:
-        """Return the keys of all kept stages that some cases need."""
-        return {case.keys[name] for case in todo for name in case.kept}
+    def _needed(self, todo: list[PlannedCase], settled: set[str]) -> set[str]:
+        """Return the keys of all stages to keep that some cases need, and of their neighbours."""
+        needed: set[str] = set()
+        left = {case.keys[name] for case in todo for name in case.kept} - settled
+        while left:
+            needed |= left
+            jobs = [self.plan.jobs[key] for key in left]
+            left = {key for job in jobs if job.neighbour for key in (*job.needs, job.neighbour)}
+            left -= needed | settled
+        return needed
 
     def _await(self, item: Job | PlannedCase, key: str, needs: list[str]) -> None:
         """Have an item wait for stages, or be begun if there are none."""
@@ -195,6 +205,10 @@ class _Work:
             self.waiting.setdefault(need, []).append(item)
 
     def _queue(self, item: Job | PlannedCase) -> None:
+        """Have an item done: before all others if the next ones start from it."""
+        if _key(item) in self.leaders:
+            self.leading.append(item)
+            return
         self.ready.setdefault(_kind(item), deque()).append(item)
 
     def left(self) -> int:
@@ -228,9 +242,13 @@ class _Work:
             self._queue(self.later.popleft()[1])
 
     def _next_task(self, pool: Pool, folder: Folder) -> Task | None:
-        """Return what should be done next: numbers of cases first, which are then out of mind."""
-        if self.alone:
-            return _task(folder, [self.alone.popleft()])
+        """Return what should be done next: numbers of cases first, which are then out of mind.
+
+        Only that from which others start comes before, so that these do not wait at the end.
+        """
+        for single in (self.alone, self.leading):
+            if single:
+                return self._task(folder, [single.popleft()])
         kinds = [kind for kind, items in self.ready.items() if items]
         if not kinds:
             return None
@@ -240,7 +258,13 @@ class _Work:
         if pace.known:
             share = math.ceil(len(items) / (AHEAD * max(1, pool.threads())))
             count = min(LARGEST_TASK, share, int(TASK_SECONDS / max(pace.seconds, 1e-3)))
-        return _task(folder, [items.popleft() for _ in range(min(max(1, count), len(items)))])
+        return self._task(folder, [items.popleft() for _ in range(min(max(1, count), len(items)))])
+
+    def _task(self, folder: Folder, items: list[Job | PlannedCase]) -> Task:
+        """Return the task of some items of one kind."""
+        stage = items[0].stage if isinstance(items[0], Job) else ""
+        cases = tuple(item.case if isinstance(item, Job) else item for item in items)
+        return Task(folder, stage, cases, self.plan.starts(cases))
 
     def _take(self, task: Task, outcomes: list[Outcome] | Died) -> None:
         """Take note of what became of a task."""
@@ -250,7 +274,7 @@ class _Work:
         items = {_key(item): item for item in self._items(task)}
         computed = [outcome.seconds for outcome in outcomes if outcome.state == "done"]
         if computed:
-            pace = self.pace.setdefault(task.kind, _Pace())
+            pace = self.pace.setdefault(_kind(next(iter(items.values()))), _Pace())
             pace.learn(sum(computed) / len(computed))
         for outcome in outcomes:
             if outcome.state == "storage":
@@ -298,22 +322,28 @@ class _Work:
             return
         self.stages_left.discard(item.key)
         for other in self.waiting.pop(item.key, []):
-            key = _key(other)
-            if key in self.blocked:
-                self.blocked[key] -= 1
-                if self.blocked[key] == 0:
-                    del self.blocked[key]
-                    self._queue(other)
+            self._release(other)
+
+    def _release(self, item: Job | PlannedCase) -> None:
+        """Take note that an item waits for one stage less."""
+        key = _key(item)
+        if key in self.blocked:
+            self.blocked[key] -= 1
+            if self.blocked[key] == 0:
+                del self.blocked[key]
+                self._queue(item)
 
     def _fail(self, item: Job | PlannedCase, reason: str) -> None:
-        """Fail what has no answer, and all that waits for it."""
+        """Fail what has no answer, and all that waits for it but what would only start from it."""
         if isinstance(item, PlannedCase):
             self.failed[item.result] = reason
             self.cases_left -= 1
             return
         self.stages_left.discard(item.key)
         for other in self.waiting.pop(item.key, []):
-            if self.blocked.pop(_key(other), 0):
+            if isinstance(other, Job) and other.neighbour == item.key:
+                self._release(other)
+            elif self.blocked.pop(_key(other), 0):
                 self._fail(other, reason)
 
     def _tell(self, pool: Pool) -> None:
@@ -333,7 +363,7 @@ class _Work:
             return ", waiting for workers"
         left: dict[str, int] = {"case": self.cases_left}
         for key in self.stages_left:
-            name = self.plan.jobs[key].stage
+            name = self.plan.jobs[key].kind
             left[name] = left.get(name, 0) + 1
         if not all(self.pace.get(kind, _Pace()).known for kind, count in left.items() if count):
             return ""
@@ -351,19 +381,12 @@ class _Work:
         }
 
 
-def _task(folder: Folder, items: list[Job | PlannedCase]) -> Task:
-    """Return the task of some items of one kind."""
-    stage = items[0].stage if isinstance(items[0], Job) else ""
-    cases = tuple(item.case if isinstance(item, Job) else item for item in items)
-    return Task(folder, stage, cases)
-
-
 def _key(item: Job | PlannedCase) -> str:
     return item.key if isinstance(item, Job) else item.result
 
 
 def _kind(item: Job | PlannedCase) -> str:
-    return item.stage if isinstance(item, Job) else "case"
+    return item.kind if isinstance(item, Job) else "case"
 
 
 def _duration(seconds: float) -> str:

@@ -11,7 +11,7 @@ from fibermelt.study.files import partial, remove, storage_errors
 from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
 from fibermelt.study.stages import keys
-from fibermelt.study.sweep_plan import plan_sweep
+from fibermelt.study.sweep_plan import Plan, plan_sweep
 from fibermelt.study.sweep_record import read_asked
 from fibermelt.study.sweep_store import CaseStore, stage_folder
 
@@ -38,8 +38,10 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
     dict
         ``"cases"``, ``"done"``, ``"failed"``, ``"pending"``: numbers of cases; ``"shape"``;
         ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
-        them are ``"kept"`` in the folder, and ``"stored"`` there by now; ``"each"``: every case
-        with its ``"point"``, its ``"stages"`` and its ``"status"``.
+        them are ``"kept"`` in the folder, and ``"stored"`` there by now, how many start ``"warm"``
+        from a neighbour's or are ``"scaled"`` from it, and ``"levels"``: how many must come one
+        after the other; ``"each"``: every case with its ``"point"``, its ``"stages"`` and its
+        ``"status"``.
     """
     plan = plan_sweep(sweep, study, chain)
     cases = CaseStore(directory)
@@ -68,10 +70,28 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
         **{name: counts[name] for name in ("done", "failed", "pending")},
         "shape": list(sweep.shape),
         "stages": {
-            name: {"results": count, "kept": kept[name], "stored": stored[name]}
+            name: {
+                "results": count,
+                "kept": kept[name],
+                "stored": stored[name],
+                **_warm(plan, name),
+            }
             for name, count in plan.shared().items()
         },
         "each": each,
+    }
+
+
+def _warm(plan: Plan, stage: str) -> dict[str, int]:
+    """Return how many results of a stage start from another one, if any do."""
+    jobs = [job for job in plan.jobs.values() if job.stage == stage]
+    if not any(job.neighbour for job in jobs):
+        return {}
+    scaled = sum(job.is_scaled for job in jobs)
+    return {
+        "warm": sum(bool(job.neighbour) for job in jobs) - scaled,
+        "scaled": scaled,
+        "levels": 1 + max(plan.level(job.key) for job in jobs),
     }
 
 

@@ -12,14 +12,14 @@ import time
 from collections import OrderedDict
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from fibermelt.errors import FibermeltError, StoreError
 from fibermelt.study.collection import Kept, Reduced, reduce_results, stack
 from fibermelt.study.runner import software_versions
-from fibermelt.study.stages import Parameters, stage_parameters
+from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
 from fibermelt.study.store import KEY_LENGTH, Record, Store
 from fibermelt.study.sweep_store import CaseStore, Failure, claimed
 
@@ -70,16 +70,15 @@ class Task:
         The stage to keep for each of the cases; empty for the numbers of the cases themselves.
     cases : tuple of PlannedCase
         For which cases.
+    starts : dict
+        For each of their stages that starts from a neighbour, by its key: a case with that
+        neighbour; and so on up to those that start from cold, should one have to be mended.
     """
 
     folder: Folder
     stage: str
     cases: tuple[PlannedCase, ...]
-
-    @property
-    def kind(self) -> str:
-        """Return what is done, in a word."""
-        return self.stage or "case"
+    starts: Mapping[str, PlannedCase] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -131,6 +130,7 @@ def fulfil(task: Task) -> list[Outcome]:
     try:
         with threadpool_limits(limits=1):
             worker = _worker(task.folder)
+            worker.starts = task.starts
             if task.stage:
                 return [worker.keep(task.stage, case) for case in task.cases]
             return worker.compute(task.cases)
@@ -176,6 +176,7 @@ class _Worker:
 
     def __init__(self, folder: Folder) -> None:
         self.folder = folder
+        self.starts: Mapping[str, PlannedCase] = {}
         self._stages: dict[str, Stage] = {stage.name: stage for stage in folder.chain.stages}
         self._store = Store(Path(folder.directory), ())
         self._cases = CaseStore(Path(folder.directory))
@@ -284,7 +285,21 @@ class _Worker:
         if known := self._cases.failure(name, case.keys[name]):
             raise _NoAnswer(known)
         inputs = {other: self._data(other, case, values).data for other in stage.fed(values)}
-        return _answer(stage, case.keys[name], stage_parameters(stage, values), inputs)
+        start = self._neighbour(stage, case)
+        return _answer(stage, case.keys[name], stage_parameters(stage, values), inputs, start)
+
+    def _neighbour(self, stage: Stage, case: PlannedCase) -> Neighbour | None:
+        """Return what a stage starts from, or None: from cold, as when its neighbour failed."""
+        other = self.starts.get(case.keys[stage.name])
+        if stage.compute_from is None or other is None:
+            return None
+        values = {**self.folder.base, **other.changes}
+        try:
+            data = self._data(stage.name, other, values).data
+        except _NoAnswer as no_answer:
+            self._cases.write_failure(no_answer.failure)
+            return None
+        return Neighbour(stage_parameters(stage, values), data)
 
     def _produce(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> xr.Dataset:
         """Compute a stage and store it in place of a damaged one; whoever calls holds its lock."""
@@ -307,7 +322,11 @@ class _Worker:
 
 
 def _answer(
-    stage: Stage, key: str, parameters: Parameters, inputs: Mapping[str, xr.Dataset]
+    stage: Stage,
+    key: str,
+    parameters: Parameters,
+    inputs: Mapping[str, xr.Dataset],
+    start: Neighbour | None,
 ) -> xr.Dataset:
     """Return what a stage computes.
 
@@ -321,6 +340,8 @@ def _answer(
         """Ignore it: a sweep tells of cases, not of their steps."""
 
     try:
+        if stage.compute_from is not None and start is not None:
+            return stage.compute_from(parameters, inputs, say, start)
         return stage.compute(parameters, inputs, say)
     except Exception as error:
         expected = isinstance(error, FibermeltError)
