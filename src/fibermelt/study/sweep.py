@@ -211,7 +211,7 @@ class Sweep:
     def _samples(self) -> Any:
         """Return points of the unit cube, (cases, axes)."""
         if self.design == "saltelli":
-            from SALib.sample import sobol  # type: ignore[import-untyped]  # noqa: PLC0415  no types; lazy: 0.6 s
+            from SALib.sample import sobol  # noqa: PLC0415  lazy: 0.6 s
 
             names = [axis.name for axis in self.axes]
             cube = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
