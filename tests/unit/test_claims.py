@@ -135,3 +135,14 @@ def test_claims_are_fed_by_the_parts_that_a_study_has():
     assert fed_by_parts({"study.parts": ("bead", "voids")}) == ("streamlines", "motion", "voids")
     names = {stage.name for stage in CHAIN.stages}
     assert {name for fed in STAGES_OF.values() for name in fed} < names
+
+
+def test_known_reasons_are_told_under_the_papers_conditions_only(results):
+    results["extreme"][:, :, 0, 0] = -0.3e6
+    found = claims_stage(PARAMETERS, {"motion": results.drop_attrs(deep=False)}, print)
+    place = found["claim"].to_numpy().tolist().index("loc1-level")
+    for override, told in (((), "the paper's mesh overstates"), (("flow.gap=3.1 mm",), "not the")):
+        config = resolved_toml(load_study("paper", override).config, "made up")
+        of = summarize_claims(found.assign_attrs(config=config))["claims"][place]
+        assert of["verdict"] == "differs"
+        assert told in of["reason"]

@@ -177,6 +177,7 @@ ONE_LINE = [
         r'^study\.parts = \["beat"\]: each must be "bead" or "orientation" or',
     ),
     ('[study]\nparts = "bead"', r'^study\.parts = "bead": must be a list, such as \["bead"\]$'),
+    ('[study]\nparts = ["claims"]', r'parts = \["claims"\]: nothing to judge them by; name "bead"'),
     ("[study]\nparts = []", r'^study\.parts = \[\]: name at least one, such as \["bead"\]$'),
     (
         "[sensitivity]\naspect_ratios = [3, 0.5]",

@@ -19,7 +19,7 @@ from stored_bead import stored_results, stored_summary
 
 from fibermelt.errors import StoreError
 from fibermelt.report import embed
-from fibermelt.report.account import account
+from fibermelt.report.account import _one, account
 from fibermelt.report.embed import embed_figures
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.html import render
@@ -30,7 +30,8 @@ from fibermelt.report.sources import USES, read_sources, sources_of, written
 from fibermelt.report.tables import Column, measured, number, table
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
-from fibermelt.study.parameters import flatten
+from fibermelt.study.parameters import Declaration, declarations, flatten
+from fibermelt.units import parse
 
 LARGEST = 5_000_000
 """Bytes that a report may have."""
@@ -353,3 +354,19 @@ def test_numbers_with_an_error(value: float, error: float, text: str) -> None:
 def test_a_table_refuses_rows_of_another_length() -> None:
     with pytest.raises(ValueError, match="2 columns was given a row of 1"):
         table("caption", [Column("a"), Column("b")], [["1"]])
+
+
+@pytest.mark.parametrize("item", list(declarations(Config)), ids=lambda item: item.key)
+def test_what_is_shown_of_a_parameter_is_its_value(item: Declaration) -> None:
+    """230 degC has been shown as 1.8 degC: a scale need not begin at zero."""
+    value = flatten(Config())[item.key]
+    if isinstance(value, bool) or not isinstance(value, float):
+        return
+    shown = _one(item, value).replace("\N{NO-BREAK SPACE}", " ").replace("µ", "u")
+    shown = shown.replace("°C", " degC").replace("°", " deg").replace("³", "^3")
+    shown = shown.replace("−", "-")
+    if shown.endswith("%"):
+        found = float(shown[:-1]) / 100
+    else:
+        found = parse(shown, item.unit) if item.unit else float(shown)
+    assert found == pytest.approx(value, rel=1e-5)

@@ -95,7 +95,7 @@ def test_in_words_says_where_to_look(tmp_path):
     summary = {**summarize_bead(results()), "cost": {"flow": 12.0, "total": 20.0}}
     text = in_words(summary, CHAIN, load_study("paper", ['study.parts=["bead"]']), tmp_path)
     assert f"results         {tmp_path}" in text
-    assert "cost            flow 12.0 s, total 20.0 s" in text
+    assert "cost            flow 12.0 s, this run 20.0 s" in text
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
     assert "lowest in the nozzle" not in text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -158,7 +159,8 @@ def _go(
                 )
         except KeyboardInterrupt:
             typer.echo(
-                f"interrupted: finished cases are kept, fibermelt resume {folder} goes on", err=True
+                f"interrupted: finished cases are kept, fibermelt resume {_quoted(folder)} goes on",
+                err=True,
             )
             raise typer.Exit(INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
@@ -243,7 +245,7 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
         lines += [f"damaged: {path}" for path in found["damaged"]]
         if found["pending"] or found["damaged"]:
-            lines.append(f"go on with fibermelt resume {_shown(Path(directory))}")
+            lines.append(f"go on with fibermelt resume {_quoted(Path(directory))}")
         say("\n".join(lines))
 
 
@@ -274,7 +276,7 @@ def clean(
         told_of = "removed" if yes else "not needed by any case or run on show"
         lines = [*names, f"{len(names)} {told_of}, {size / 1e6:.1f} MB"]
         if names and not yes:
-            lines.append(f"fibermelt clean {_shown(folder)} --yes removes them")
+            lines.append(f"fibermelt clean {_quoted(folder)} --yes removes them")
         say("\n".join(lines))
 
 
@@ -326,6 +328,11 @@ def _existing_name(out: str) -> Path:
         msg = '--out "": is no name of a folder; write one, such as --out results/mine'
         raise ConfigError(msg)
     return Path(out)
+
+
+def _quoted(path: Path) -> str:
+    """Return a path as a shell takes it, in a command to copy."""
+    return shlex.quote(_shown(path))
 
 
 def _shown(path: Path) -> str:

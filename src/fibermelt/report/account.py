@@ -29,7 +29,7 @@ LONGEST_LIST = 5
 DIGITS = 6
 """Significant digits of a parameter: as many as anybody writes."""
 
-_WRITTEN = {"um": "µm", "kg/m^3": "kg/m³"}
+_WRITTEN = {"um": "µm", "kg/m^3": "kg/m³", "degC": "°C"}
 """Units that type has signs for."""
 
 COLUMNS = (Column("Parameter", is_text=True), Column("Value"), Column("", is_text=True))
@@ -145,9 +145,13 @@ def _one(item: Declaration, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
     unit = _unit(item)
+    if str(item.written).endswith("%"):
+        return f"{short(100 * value, DIGITS)}\N{NO-BREAK SPACE}%"
     if not unit:
         return number(value, DIGITS) if isinstance(value, int) else short(value, DIGITS)
-    shown = short(value / parse(f"1 {unit}", item.unit), DIGITS)
+    # A scale such as degC begins elsewhere: what counts is how far a value is from its zero.
+    zero = parse(f"0 {unit}", item.unit)
+    shown = short((value - zero) / (parse(f"1 {unit}", item.unit) - zero), DIGITS)
     return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
 
 

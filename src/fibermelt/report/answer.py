@@ -134,10 +134,17 @@ def _risk(found: Mapping[str, Any]) -> str:
     if margin >= 0:
         return f"No: {on} stays above {vapor}, by {fixed(MPA * margin, 2)} MPa."
     share = found["share_below"]
-    of = "all of the melt" if share == 1 else f"{PERCENT * share:.0f} % of the melt"
+    of = "all of the melt" if share == 1 else f"{short(PERCENT * share, 2)} % of the melt"
+    flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])
+    left = (
+        f" Left out are the {flagged} of {len(found['streamlines'])} streamlines that pass a "
+        "singular corner, where no number can be trusted."
+        if flagged
+        else ""
+    )
     return (
         f"Yes: {on} falls to {fixed(MPA * lowest, 2)} MPa absolute, {fixed(-MPA * margin, 2)} MPa "
-        f"below {vapor}, and {of} sometime sees less than that pressure."
+        f"below {vapor}, and {of} sometime sees less than that pressure.{left}"
     )
 
 

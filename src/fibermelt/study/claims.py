@@ -14,6 +14,7 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Literal
 
+from fibermelt.study.parameters import flatten
 from fibermelt.study.quantities import NotStoredError, Quantity
 from fibermelt.study.quantities_bead import BEAD
 from fibermelt.study.quantities_fiber import FIBER
@@ -45,8 +46,16 @@ QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
 
 Verdict = Literal["holds", "differs", "cannot be judged"]
 
-UNITS = {"": 1.0, "%": 0.01, "MPa": 1e6, "kPa": 1e3, "mm": 1e-3, "s": 1.0, "rad": 1.0}
-UNITS["deg"] = 0.017453292519943295
+UNITS = {
+    "": 1.0,
+    "%": 0.01,
+    "MPa": 1e6,
+    "kPa": 1e3,
+    "mm": 1e-3,
+    "s": 1.0,
+    "rad": 1.0,
+    "deg": math.radians(1.0),
+}
 """What claims are written in, in SI."""
 
 
@@ -177,7 +186,7 @@ def measured(claim: Claim, results: xr.Dataset) -> tuple[float, str]:
         return math.nan, str(error)
 
 
-def judge(claim: Claim, value: float, missing: str = "") -> Judgement:
+def judge(claim: Claim, value: float, missing: str = "", *, as_in_paper: bool = True) -> Judgement:
     """Return what a measured quantity says of a claim.
 
     Parameters
@@ -188,6 +197,8 @@ def judge(claim: Claim, value: float, missing: str = "") -> Judgement:
         The quantity in the claim's unit; NaN if there is none.
     missing : str
         Why there is none.
+    as_in_paper : bool
+        Whether the study has the paper's conditions; the known reasons are for these.
     """
     if math.isnan(value):
         return Judgement(claim, None, "cannot be judged", missing)
@@ -197,6 +208,8 @@ def judge(claim: Claim, value: float, missing: str = "") -> Judgement:
     unit = f" {claim.unit}" if claim.unit else ""
     against = "what the paper says" if claim.paper is not None else "the bound"
     missed = f"{abs(excess):.3g}{unit} {'above' if excess > 0 else 'below'} {against}"
+    if not as_in_paper:
+        return Judgement(claim, value, "differs", f"{missed}; the conditions are not the paper's")
     reason = f"{missed}: {claim.known}" if claim.known else f"{missed}, for no reason that we know"
     return Judgement(claim, value, "differs", reason)
 
@@ -239,6 +252,19 @@ def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     )
 
 
+CONDITIONS = ("flow", "melt", "fiber", "streamlines", "interaction", "sensitivity", "numerics")
+"""The tables of a study that make its conditions."""
+
+
+def has_conditions_of_paper(results: xr.Dataset) -> bool:
+    """Tell whether results are of the paper's study, whatever parts of it were computed."""
+    from fibermelt.study.loading import load_study  # noqa: PLC0415  the claims' only use of it
+
+    tables = tomllib.loads(results.attrs.get("config", ""))
+    paper = tomllib.loads(as_toml(flatten(load_study("paper").config)))
+    return all(tables.get(name) == paper[name] for name in CONDITIONS)
+
+
 def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
     """Return what summary.json says of the claims.
 
@@ -255,7 +281,11 @@ def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
     """
     values = dict(zip(results["claim"].to_numpy(), results["claim_value"].to_numpy(), strict=True))
     why = dict(zip(results["claim"].to_numpy(), results["claim_missing"].to_numpy(), strict=True))
-    found = [judge(claim, float(values[claim.id]), str(why[claim.id])) for claim in claims()]
+    same = has_conditions_of_paper(results)
+    found = [
+        judge(claim, float(values[claim.id]), str(why[claim.id]), as_in_paper=same)
+        for claim in claims()
+    ]
     return {
         "claims": [
             {

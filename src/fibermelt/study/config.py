@@ -88,6 +88,12 @@ class What(Section):
         if not self.parts:
             msg = 'study.parts = []: name at least one, such as ["bead"]'
             raise ValueError(msg)
+        if self.parts == ("claims",):
+            msg = (
+                'study.parts = ["claims"]: nothing to judge them by; name "bead", "orbits", '
+                '"interaction" or "voids" beside it'
+            )
+            raise ValueError(msg)
         return self
 
 

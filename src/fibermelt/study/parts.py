@@ -96,7 +96,10 @@ def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Pat
         The results folder.
     """
     parts = chain.asked(study.config.study.parts)
-    cost = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in summary["cost"].items())
+    names = {"total": "this run"}  # what was reused tells what it took when it was computed
+    cost = ", ".join(
+        f"{names.get(name, name)} {seconds:.1f} s" for name, seconds in summary["cost"].items()
+    )
     return "\n".join(
         [
             *(line for part in parts for line in part.words(summary)),

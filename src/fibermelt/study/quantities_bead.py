@@ -354,6 +354,9 @@ def center_over_edge_sensitivity(results: xr.Dataset) -> float:
     ratios = []
     for location in (1, 2):
         spread = _extreme(results, "extreme", location, "min").std(axis=1)
+        if not all(spread[edge] for edge in edges):
+            msg = "the extremes do not depend on the initial angle: there is no spread to compare"
+            raise NotStoredError(msg)
         ratios += [spread[center] / spread[edge] for edge in edges]
     return float(min(ratios))
 
@@ -379,6 +382,9 @@ def alignment_from_center(results: xr.Dataset) -> float:
 def spread_between_zones(results: xr.Dataset) -> float:
     """Return the largest spread of a zone's angles, mean over the streamlines, over the least."""
     spread = results["zone_angle"].to_numpy()[_regular(results)].std(axis=1).mean(axis=0)
+    if not spread.min():
+        msg = "one fiber to a streamline has no spread"
+        raise NotStoredError(msg)
     return float(spread.max() / spread.min())
 
 

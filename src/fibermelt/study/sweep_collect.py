@@ -78,16 +78,25 @@ def collect_sweep(directory: Path) -> xr.Dataset:
     return dataset
 
 
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How a netCDF-4 file begins."""
+
+
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write a dataset as netCDF-4, whole or not at all.
 
     Raises
     ------
     StoreError
-        If it cannot be written.
+        If it cannot be written, its folder is not there, or a file is that holds something else.
     """
+    if not path.parent.is_dir():
+        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
+        raise StoreError(msg)
     with storage_errors(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists() and not path.read_bytes().startswith(HDF5):
+            msg = f"{path}: is there and no dataset; it is not overwritten: name another with --to"
+            raise StoreError(msg)
     replace_file(path, to_bytes(dataset))
 
 

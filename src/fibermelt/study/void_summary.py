@@ -199,8 +199,8 @@ def _worst(voids: Mapping[str, Any]) -> list[str]:
     in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
     lines = [
         f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its "
-        f"worst direction, on streamline {worst['index']} ({1e3 * worst['height']:.2f} mm above "
-        "the bed)",
+        f"worst direction, on streamline {worst['index']}, which ends {1e3 * worst['height']:.2f} "
+        "mm up in the bead",
         f"                {in_space / 1e6:.3f} MPa on an unbounded spheroid in space",
     ]
     if (wetting := worst["required_wetting"]) is not None and worst["critical_radius"]:
