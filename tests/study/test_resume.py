@@ -10,7 +10,7 @@ from pathlib import Path
 import fakes
 import pytest
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 """Time [s] for a process to come up on a busy machine."""
 
 

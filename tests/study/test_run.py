@@ -203,7 +203,7 @@ def test_the_viscosity_scales_pressures_only(folder, tmp_path):
 def test_ctrl_c_leaves_what_the_next_run_goes_on_from(folder, tmp_path):
     command = [sys.executable, "-m", "fibermelt", "run", str(COARSE), "--out", str(folder)]
     process = subprocess.Popen(
-        [*command, "-s", "flow.gap=3.1 mm"],
+        [*command, "-s", "flow.gap=3.2 mm"],
         env=ONE_THREAD,
         cwd=tmp_path,
         stdout=subprocess.PIPE,

@@ -208,8 +208,12 @@ def test_a_flow_from_a_neighbour_ends_within_its_error_in_fewer_steps(real):
     assert found["newton_steps"] < expected["newton_steps"]
 
 
+EXACT = ("node_x", "node_y", "node_velocity", "upstream_surface", "downstream_surface")
+"""What a viscosity does not touch, computed by the same solver on the same mesh."""
+
+
 def test_a_flow_of_another_melt_is_as_good_as_solved(real):
-    """Pressures agree to rounding; what has no pressure in it, to the last bit."""
+    """Shape and velocity agree to the last bit, the rest to rounding: sums in threads' order."""
     other, data = stored(real, "flow")
     one = Parameters({**other, "melt.viscosity": 123.0, "melt.density": 900.0})
     said = []
@@ -218,11 +222,11 @@ def test_a_flow_of_another_melt_is_as_good_as_solved(real):
     expected = flow_stage(one, {}, lambda line: None)
     assert set(scaled.variables) == set(expected.variables)
     for name, variable in expected.variables.items():
-        if "pressure" in name:
-            top = np.abs(variable.values).max()
-            np.testing.assert_allclose(scaled[name].values, variable.values, atol=1e-12 * top)
-        else:
+        if name in EXACT:
             np.testing.assert_array_equal(scaled[name].values, variable.values)
+        else:
+            top = np.abs(variable.values).max()
+            np.testing.assert_allclose(scaled[name].values, variable.values, atol=1e-10 * top)
 
 
 def test_real_flows_are_found_again_alike(tmp_path, real):

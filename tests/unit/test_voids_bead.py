@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims import claims, judge
+from fibermelt.study.claims import claims, judge, measured
 from fibermelt.study.config import Config
 from fibermelt.study.materials import material_names
 from fibermelt.study.parameters import declarations
@@ -241,7 +241,7 @@ def test_a_reversed_profile_turns_the_verdict(sign):
     for name, quantity in VOIDS.items():
         assert quantity(results) == pytest.approx(sign), name
     mine = [claim for claim in claims() if claim.quantity in VOIDS]
-    verdicts = {judge(claim, results).verdict for claim in mine}
+    verdicts = {judge(claim, *measured(claim, results)).verdict for claim in mine}
     assert verdicts == {"holds" if sign > 0 else "differs"}
 
 
