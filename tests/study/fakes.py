@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Mapping
@@ -17,6 +18,11 @@ from fibermelt.study.runner import run_study
 from fibermelt.study.stages import Parameters, Stage
 
 UNITS = {"units": "m", "long_name": "a number that tells where it came from"}
+
+
+def hears_ctrl_c() -> None:
+    """Undo what a shell does to its jobs in the background: they ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def scalar(name: str, value: float) -> xr.Dataset:

@@ -19,6 +19,7 @@ def start_and_wait_in_motion(folder, marker):
         [sys.executable, Path(fakes.__file__), folder],
         env={**os.environ, "FAKE_MOTION_WAITS": str(marker)},
         stderr=subprocess.PIPE,
+        preexec_fn=fakes.hears_ctrl_c,  # noqa: PLW1509  no thread is about here
     )
     deadline = time.monotonic() + PATIENCE
     while not marker.exists():

@@ -10,6 +10,7 @@ import tomllib
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import fakes
 import numpy as np
 import pytest
 import xarray as xr
@@ -209,6 +210,7 @@ def test_ctrl_c_leaves_what_the_next_run_goes_on_from(folder, tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=fakes.hears_ctrl_c,  # noqa: PLW1509  no thread is about here
     )
     for line in process.stderr:
         if "Newton step" in line:

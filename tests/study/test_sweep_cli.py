@@ -111,6 +111,13 @@ def test_other_designs_are_collected_over_their_cases(tmp_path):
         '"flow.gap" = { low = "3 mm", high = "4 mm" }\ndesign = "latin-hypercube"\nsamples = 5\n'
     )
     _, out, _ = swept(tmp_path, text)
+    nowhere = fibermelt("collect", out, "--to", tmp_path / "mine" / "numbers.nc")
+    assert nowhere.exit_code == 2
+    assert "there is no folder" in nowhere.stderr
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/notes.txt").write_text("mine")
+    taken = fibermelt("collect", out, "--to", tmp_path / "mine/notes.txt")
+    assert (taken.exit_code, (tmp_path / "mine/notes.txt").read_text()) == (2, "mine")
     fibermelt("collect", out, "--to", tmp_path / "mine" / "numbers.nc")
     with xr.open_dataset(tmp_path / "mine/numbers.nc", engine="h5netcdf") as found:
         assert found["product"].dims == ("case",)

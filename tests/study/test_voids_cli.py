@@ -168,7 +168,7 @@ def test_damaged_results_are_refused(finished, tmp_path):
 
 
 def test_a_run_without_a_bead_has_no_voids(tmp_path):
-    parts = ('study.parts=["claims"]',)
+    parts = ('study.parts=["orbits"]',)
     done = fibermelt("run", COARSE, "-s", *parts, "--out", "out", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert 'has no fibers in a bead: name "bead" or "voids" in study.parts' in refused(
