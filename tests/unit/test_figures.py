@@ -11,10 +11,8 @@ import matplotlib as mpl
 import pytest
 import xarray as xr
 from drawn_bead import made_up
-from matplotlib.axes import Axes
+from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.plates import Plate
@@ -86,28 +84,6 @@ def test_words_tell_numbers_and_are_no_leftovers(plate: Plate, results: xr.Datas
     assert words.caption != words.alt
 
 
-def _tick_labels(axes: Axes) -> list[Text]:
-    """Tick labels that are drawn: matplotlib keeps those beyond the scale's ends as well."""
-    labels = []
-    for axis in (axes.xaxis, axes.yaxis):
-        low, high = sorted(axis.get_view_interval())
-        labels += [t.label1 for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-        labels.append(axis.label)
-    return labels
-
-
-def _texts(figure: Figure) -> list[Text]:
-    found: list[Text] = []
-    for axes in figure.axes:
-        found += axes.texts
-        if axes.axison:
-            found += _tick_labels(axes)
-        legend = axes.get_legend()
-        if legend is not None:
-            found += legend.get_texts()
-    return [text for text in found if text.get_visible() and text.get_text().strip()]
-
-
 def _five_marked() -> xr.Dataset:
     config = "[streamlines]\nfeatures = [2, 6, 10, 14, 18]"
     bead = made_up(angles=13)
@@ -132,7 +108,7 @@ def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
         canvas.draw()
         boxes = [
             (text.get_text(), text.get_window_extent(canvas.get_renderer()), text.get_fontsize())
-            for text in _texts(figure)
+            for text in texts(figure)
         ]
     assert boxes
     for name, box, size in boxes:

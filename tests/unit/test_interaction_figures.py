@@ -10,10 +10,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.axes import Axes
+from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.text import Text
 from suspended_fibers import interacting, oriented
 
 from fibermelt.report.figures import FIGURES as ALL
@@ -81,27 +79,6 @@ def test_same_results_give_the_same_files(
     xr.testing.assert_identical(results, before)
 
 
-def _tick_labels(axes: Axes) -> list[Text]:
-    labels = []
-    for axis in (axes.xaxis, axes.yaxis):
-        low, high = sorted(axis.get_view_interval())
-        labels += [t.label1 for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-        labels.append(axis.label)
-    return labels
-
-
-def _texts(figure: Figure) -> list[Text]:
-    found: list[Text] = []
-    for axes in figure.axes:
-        found += axes.texts
-        if axes.axison:
-            found += _tick_labels(axes)
-        legend = axes.get_legend()
-        if legend is not None:
-            found += legend.get_texts()
-    return [text for text in found if text.get_visible() and text.get_text().strip()]
-
-
 @every_figure
 @pytest.mark.parametrize("which", ["usual", "gaps", "other"])
 def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
@@ -113,7 +90,7 @@ def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
         canvas.draw()
         boxes = [
             (text.get_text(), text.get_window_extent(canvas.get_renderer()), text.get_fontsize())
-            for text in _texts(figure)
+            for text in texts(figure)
         ]
     assert boxes
     for name, box, size in boxes:

@@ -11,8 +11,9 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.judged import tally
-from fibermelt.report.risk import advice, worst_line
+from fibermelt.report.risk import advice
 from fibermelt.report.tables import fixed, short
+from fibermelt.study.void_summary import worst_line
 
 if TYPE_CHECKING:
     import xarray as xr

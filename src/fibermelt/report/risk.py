@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from fibermelt.report.tables import Column, fixed, folded, number, percent, short, table
+from fibermelt.study.void_summary import worst_line
 from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["advice", "voids", "worst_line"]
+__all__ = ["advice", "voids"]
 
 MM, MPA, MS, NM, PERCENT = 1e3, 1e-6, 1e3, 1e9, 100.0
 """From SI to the units of the page."""
@@ -29,12 +30,6 @@ WHOSE = {
     "oriented tips": "tips of spheroids, mean over their orientation",
 }
 """Whose lowest pressure, in words; what is not here is a share of isotropic fibers."""
-
-
-def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """Return the streamline of the lowest pressure; None if all pass a singular corner."""
-    regular = [line for line in found["streamlines"] if not line["near_singularity"]]
-    return min(regular, key=lambda line: float(line["lowest_pressure"]), default=None)
 
 
 def advice(found: Mapping[str, Any]) -> str:

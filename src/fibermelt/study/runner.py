@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import legible
+from fibermelt.software import versions_of
 from fibermelt.study.files import canonical, digest, write_through
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import flatten
@@ -218,10 +218,4 @@ class _Run:
 
 def software_versions() -> dict[str, str]:
     """Return the versions of what computes."""
-    found = {"python": platform.python_version()}
-    for name in SOFTWARE:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+    return versions_of(SOFTWARE)

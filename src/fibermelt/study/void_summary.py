@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["summarize_voids", "voids_in_words"]
+__all__ = ["summarize_voids", "voids_in_words", "worst_line"]
 
 BASIS = "bounds"
 """Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
@@ -181,10 +181,11 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         f"{100 * voids['moisture']:.3g} % moisture in {voids['material']['name']} at "
         f"{celsius:.0f} degC"
     ]
-    if voids["lowest_pressure"] is None:
+    worst = worst_line(voids)
+    if worst is None:
         lines.append("lowest pressure not told: every streamline passes a singular corner")
     else:
-        lines += _worst(voids)
+        lines += _worst(voids, worst)
         lines.append(f"drying          {_drying(voids)}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]
     if estimates := voids["material"]["estimates"]:
@@ -192,10 +193,14 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _worst(voids: Mapping[str, Any]) -> list[str]:
-    """Return the lines on the lowest pressure and on the profile."""
-    regular = [line for line in voids["streamlines"] if not line["near_singularity"]]
-    worst = min(regular, key=lambda line: float(line["lowest_pressure"]))
+def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Return the streamline of the lowest pressure; None if all pass a singular corner."""
+    regular = [line for line in found["streamlines"] if not line["near_singularity"]]
+    return min(regular, key=lambda line: float(line["lowest_pressure"]), default=None)
+
+
+def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
+    """Return the lines on the lowest pressure, met on ``worst``, and on the profile."""
     in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
     lines = [
         f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its "

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from fibermelt.software import versions_of
 from fibermelt.verify.ladder import Check, as_dataset_rows
 
 __all__ = ["as_answer", "in_words", "versions"]
@@ -95,10 +94,4 @@ def _required(check: Check) -> str:
 
 def versions() -> dict[str, str]:
     """Return the versions of what computes, by name."""
-    found = {"python": platform.python_version()}
-    for name in COMPUTES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+    return versions_of(COMPUTES)
