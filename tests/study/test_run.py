@@ -1,7 +1,6 @@
 """The whole chain, coarse, through the command line: what it writes and what it says."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -14,23 +13,7 @@ import fakes
 import numpy as np
 import pytest
 import xarray as xr
-
-COARSE = Path(__file__).parent / "coarse.toml"
-ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
-PATIENCE = 120.0
-"""Time [s] for a coarse study on a busy machine; it takes about ten."""
-
-
-def fibermelt(*arguments, folder):
-    return subprocess.run(
-        [sys.executable, "-m", "fibermelt", *map(str, arguments)],
-        cwd=folder,
-        env=ONE_THREAD,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+from coarse_runs import COARSE, ONE_THREAD, PATIENCE, fibermelt
 
 
 @pytest.fixture(scope="module")

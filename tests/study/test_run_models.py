@@ -1,19 +1,11 @@
 """The whole chain with every model of the fiber, over one coarse flow."""
 
 import json
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-
-COARSE = Path(__file__).parent / "coarse.toml"
-ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
-PATIENCE = 120.0
-"""Time [s] for a coarse study on a busy machine; the first takes about ten, the others three."""
+from coarse_runs import COARSE, fibermelt
 
 CASES = {
     "confined-ellipse": ["fiber.model=confined-ellipse"],
@@ -23,18 +15,6 @@ CASES = {
     "in space": ["fiber.model=spheroid", "fiber.directions=equal-area", "fiber.direction_count=20"],
 }
 UNBOUNDED = ["ellipse", "spheroid", "in space"]
-
-
-def fibermelt(*arguments, folder):
-    return subprocess.run(
-        [sys.executable, "-m", "fibermelt", *map(str, arguments)],
-        cwd=folder,
-        env=ONE_THREAD,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -1,20 +1,12 @@
 """The chain by the paper's own algorithm, beside superposition over the same streamlines."""
 
 import json
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-
-COARSE = Path(__file__).parent / "coarse.toml"
-ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
-PATIENCE = 120.0
-"""Time [s] for a coarse study on a busy machine; it takes about ten."""
+from coarse_runs import COARSE, fibermelt
 
 SMALL = [
     "streamlines.count=2",
@@ -30,18 +22,6 @@ turns at the nozzle's exit among them: three times what they do lose."""
 
 NODES = 5e-3
 """The surface points miss an extreme by the tip's curvature times their spacing squared; share."""
-
-
-def fibermelt(*arguments, folder):
-    return subprocess.run(
-        [sys.executable, "-m", "fibermelt", *map(str, arguments)],
-        cwd=folder,
-        env=ONE_THREAD,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -1,19 +1,12 @@
 """`fibermelt voids` on a finished coarse study, through the command line."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import xarray as xr
-
-COARSE = Path(__file__).parent / "coarse.toml"
-ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
-PATIENCE = 120.0
-"""Time [s] for a coarse study on a busy machine; it takes about ten."""
+from coarse_runs import COARSE, fibermelt
 
 CONTRACT = {
     "vapor_pressure",
@@ -32,18 +25,6 @@ ON_LINE = {
     "log10_rate",
     "critical_radius",
 }
-
-
-def fibermelt(*arguments, folder):
-    return subprocess.run(
-        [sys.executable, "-m", "fibermelt", *map(str, arguments)],
-        cwd=folder,
-        env=ONE_THREAD,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,24 @@
+"""The command line as a process of its own, and the coarse study that it runs in seconds."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+COARSE = Path(__file__).parent / "coarse.toml"
+ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
+PATIENCE = 120.0
+"""Time [s] that a command may take on a busy machine."""
+
+
+def fibermelt(*arguments, folder):
+    """Run a command in a folder, with one thread in the solvers."""
+    return subprocess.run(
+        [sys.executable, "-m", "fibermelt", *map(str, arguments)],
+        cwd=folder,
+        env=ONE_THREAD,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
