@@ -18,9 +18,9 @@ from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
 from fibermelt.study.stages import stage_parameters
 from fibermelt.study.store import Store
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_plan import plan_sweep
-from fibermelt.study.sweep_runner import run_sweep
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.study.sweep.runner import run_sweep
 
 CASES = int(os.environ.get("BENCH_SWEEP_CASES", "600"))
 """Cases that need the fiber stages only; 10000 for the whole claim."""

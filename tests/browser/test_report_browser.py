@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
-from fibermelt.study.void_summary import summarize_voids
+from fibermelt.study.voids.summary import summarize_voids
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="needs Playwright: pip install playwright"

@@ -19,9 +19,9 @@ from fibermelt.errors import ConvergenceError, FibermeltError
 from fibermelt.study.loading import load_study
 from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Neighbour, Parameters, Stage
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_collect import collect_sweep
-from fibermelt.study.sweep_runner import run_sweep
+from fibermelt.study.sweep.collect import collect_sweep
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.runner import run_sweep
 
 SWEPT = """preset = "paper"
 [sweep]

@@ -199,7 +199,7 @@ def test_a_scheduler_is_never_taken_from_the_results(tmp_path):
 
 def test_help_does_not_load_the_cluster():
     script = (
-        "import sys, fibermelt.cli, fibermelt.study.sweep_runner\n"
+        "import sys, fibermelt.cli, fibermelt.study.sweep.runner\n"
         "sys.exit(str([m for m in ('distributed', 'xarray') if m in sys.modules]))"
     )
     done = subprocess.run(

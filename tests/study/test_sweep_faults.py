@@ -20,8 +20,8 @@ import fake_sweeps
 import pytest
 
 from fibermelt.errors import StoreError
-from fibermelt.study.sweep_status import sweep_status
-from fibermelt.study.sweep_store import CaseStore
+from fibermelt.study.sweep.status import sweep_status
+from fibermelt.study.sweep.store import CaseStore
 
 PATIENCE = 60.0
 """Time [s] for processes to come up, or to go, on a busy machine."""

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
+from fibermelt.study.sweep.design import read_sweep
 
 FAKE = """preset = "paper"
 [sweep]

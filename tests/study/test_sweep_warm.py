@@ -10,17 +10,17 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.study.bead.flow import flow_from, flow_stage
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.flow_stages import flow_from, flow_stage
 from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
 from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
 from fibermelt.study.store import Store
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_plan import plan_sweep
-from fibermelt.study.sweep_record import restored
-from fibermelt.study.sweep_runner import run_sweep
-from fibermelt.study.sweep_store import CaseStore
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.study.sweep.record import restored
+from fibermelt.study.sweep.runner import run_sweep
+from fibermelt.study.sweep.store import CaseStore
 
 GAPS = (3.0, 3.9, 5.0, 6.4)
 """Each within reach of the next only: the second is the root, and one way has two steps [mm]."""

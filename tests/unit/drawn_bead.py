@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.study.variables import labelled
-from fibermelt.study.void_melt import moist_melt
-from fibermelt.study.void_stages import assess_bead
+from fibermelt.study.voids.melt import moist_melt
+from fibermelt.study.voids.stages import assess_bead
 
 Array = NDArray[np.float64]
 

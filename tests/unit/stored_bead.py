@@ -11,12 +11,12 @@ import xarray as xr
 from drawn_bead import ASPECT, made_up
 
 from fibermelt.report.figures import draw_figures
+from fibermelt.study.bead.summary import summarize_bead
 from fibermelt.study.config import Config
 from fibermelt.study.files import write_through
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.store import Store
-from fibermelt.study.summary import summarize_bead
 from fibermelt.study.toml import resolved_toml
 from fibermelt.study.variables import labelled
 

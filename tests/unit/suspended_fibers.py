@@ -9,8 +9,8 @@ import xarray as xr
 from drawn_bead import made_up
 
 from fibermelt.fiber.shape import jeffery_factor
-from fibermelt.study.interaction_stage import interaction_stage
-from fibermelt.study.orientation_stages import content_stage, orientation_stage
+from fibermelt.study.orientation.interaction import interaction_stage
+from fibermelt.study.orientation.stages import content_stage, orientation_stage
 from fibermelt.study.stages import Parameters
 from fibermelt.study.variables import labelled
 

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import xarray as xr
 
-from fibermelt.study.claims import claims
+from fibermelt.study.claims.judge import claims
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
+from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.toml import resolved_toml
 
 GAP, SPEED, VISCOSITY = "flow.gap", "flow.bed_speed", "melt.viscosity"

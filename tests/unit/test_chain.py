@@ -8,10 +8,10 @@ import pytest
 from fibermelt.errors import StoreError
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.study.bead.fiber import PRESSURE_REFERENCE
+from fibermelt.study.bead.flow import FLOW_NUMERICS
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.config import PartName
-from fibermelt.study.fiber_stages import PRESSURE_REFERENCE
-from fibermelt.study.flow_stages import FLOW_NUMERICS
 from fibermelt.study.loading import resolve
 from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.parameters import flatten

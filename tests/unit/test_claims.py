@@ -8,7 +8,7 @@ import xarray as xr
 from drawn_bead import made_up
 
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims import (
+from fibermelt.study.claims.judge import (
     QUANTITIES,
     STAGES_OF,
     Claim,
@@ -20,7 +20,7 @@ from fibermelt.study.claims import (
     measured,
     summarize_claims,
 )
-from fibermelt.study.claims import judge as judged
+from fibermelt.study.claims.judge import judge as judged
 from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
 from fibermelt.study.stages import Parameters

@@ -7,8 +7,8 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import newton_motion
+from fibermelt.study.bead.newton import duration, newton_motions
 from fibermelt.study.loading import resolve
-from fibermelt.study.newton_stage import duration, newton_motions
 
 
 @pytest.mark.parametrize(

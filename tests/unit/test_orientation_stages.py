@@ -20,8 +20,8 @@ from fibermelt.orientation.interaction import bay, paper_domain_size, paper_pref
 from fibermelt.orientation.models import FolgarTucker
 from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
-from fibermelt.study.fiber_stages import cell_stage
-from fibermelt.study.orientation_stages import (
+from fibermelt.study.bead.fiber import cell_stage
+from fibermelt.study.orientation.stages import (
     DISTRIBUTION,
     content_stage,
     folgar_tucker,

@@ -22,9 +22,9 @@ from fibermelt.report.sections import FURTHER, SECTIONS, told
 from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
 from fibermelt.report.tables import fixed, number, percent, short
-from fibermelt.study.orientation_summary import summarize_interaction, summarize_orientation
-from fibermelt.study.sensitivity_summary import summarize_dimensions, summarize_orbits
-from fibermelt.study.void_summary import summarize_voids
+from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
+from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
+from fibermelt.study.voids.summary import summarize_voids
 
 MPA = 1e-6
 

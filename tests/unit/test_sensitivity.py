@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 from turned_fibers import PARAMETERS, compared, turned
 
-from fibermelt.study.dimension_stages import feature_rows
-from fibermelt.study.printed import printed_period, printed_periods
-from fibermelt.study.sensitivity_stages import ORBITS_PARAMETERS, orbit_cases
-from fibermelt.study.sensitivity_summary import (
+from fibermelt.study.claims.printed import printed_period, printed_periods
+from fibermelt.study.sensitivity.dimensions import feature_rows
+from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbit_cases
+from fibermelt.study.sensitivity.summary import (
     dimensions_in_words,
     orbits_in_words,
     summarize_dimensions,
@@ -241,7 +241,7 @@ def test_the_studys_own_cell_is_taken() -> None:
     """A confined fiber that the study solved already is not solved again, nor differently."""
     from fibermelt.fiber import unbounded_ellipse  # noqa: PLC0415  stands in for a cell
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-    from fibermelt.study.dimension_stages import _models  # noqa: PLC0415
+    from fibermelt.study.sensitivity.dimensions import _models  # noqa: PLC0415
     from fibermelt.study.variables import labelled  # noqa: PLC0415
 
     response = unbounded_ellipse(Ellipse(1.0, 6.0))

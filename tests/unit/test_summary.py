@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fibermelt.study.bead.summary import bead_in_words, summarize_bead
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.study.parts import in_words
-from fibermelt.study.summary import bead_in_words, summarize_bead
 from fibermelt.study.variables import labelled
 
 

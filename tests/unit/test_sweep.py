@@ -7,7 +7,7 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
+from fibermelt.study.sweep.design import read_sweep
 
 
 def sweep(tmp_path, text):

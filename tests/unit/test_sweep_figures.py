@@ -7,12 +7,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.report.sweep_figures import effect, sweep_plates
+from fibermelt.report.sweep.figures import effect, sweep_plates
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_indices import quantiles, sobol_indices
-from fibermelt.study.sweep_responses import responses_of
-from fibermelt.study.sweep_table import sweep_table
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.indices import quantiles, sobol_indices
+from fibermelt.study.sweep.responses import responses_of
+from fibermelt.study.sweep.table import sweep_table
 
 LARGEST_INDEX_ERROR = 0.1
 """Of a Sobol index: twice the half 95 % interval that the bootstrap gives for these samples."""

@@ -6,8 +6,8 @@ from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.study.parts import Chain, Part
 from fibermelt.study.stages import Stage
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_plan import plan_sweep
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.plan import plan_sweep
 
 
 def plan(tmp_path, text, chain=CHAIN, head=""):

@@ -6,10 +6,10 @@ from html.parser import HTMLParser
 import pytest
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, VISCOSITY, made_up, sampled
 
-from fibermelt.report.sweep_page import render_sweep
-from fibermelt.study.claims import claims
-from fibermelt.study.sweep_claims import swept_claims
-from fibermelt.study.sweep_table import sweep_table
+from fibermelt.report.sweep.page import render_sweep
+from fibermelt.study.claims.judge import claims
+from fibermelt.study.sweep.claims import swept_claims
+from fibermelt.study.sweep.table import sweep_table
 
 PARABOLA = next(one for one in claims() if one.id == "parabola")
 BOUND = PARABOLA.at_most

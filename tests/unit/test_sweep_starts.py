@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.sweep_plan import plan_sweep
-from fibermelt.study.sweep_starts import REACH, neighbours
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.study.sweep.starts import REACH, neighbours
 
 
 def level(parents, place):

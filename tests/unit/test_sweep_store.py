@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import StoreError
-from fibermelt.study.collection import Batch, Kept, reduce_results, stack
 from fibermelt.study.files import digest
-from fibermelt.study.sweep_store import CaseStore, Failure, claimed, open_case_store
+from fibermelt.study.sweep.collection import Batch, Kept, reduce_results, stack
+from fibermelt.study.sweep.store import CaseStore, Failure, claimed, open_case_store
 
 
 def kept(values, dimensions=(), units="Pa"):

@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims import claims, judge, measured
+from fibermelt.study.claims.judge import claims, judge, measured
+from fibermelt.study.claims.quantities import NotStoredError
+from fibermelt.study.claims.voids import VOIDS
 from fibermelt.study.config import Config
 from fibermelt.study.materials import material_names
 from fibermelt.study.parameters import declarations
-from fibermelt.study.quantities import NotStoredError
-from fibermelt.study.quantities_voids import VOIDS
-from fibermelt.study.void_melt import moist_melt
-from fibermelt.study.void_profile import layer_weights
-from fibermelt.study.void_stages import assess_bead
-from fibermelt.study.void_summary import summarize_voids, voids_in_words
+from fibermelt.study.voids.melt import moist_melt
+from fibermelt.study.voids.profile import layer_weights
+from fibermelt.study.voids.stages import assess_bead
+from fibermelt.study.voids.summary import summarize_voids, voids_in_words
 from fibermelt.voids import ATMOSPHERE, saturation_pressure
 
 ABS_AT = {"material": "abs-cf13", "temperature": 503.15}

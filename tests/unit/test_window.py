@@ -6,12 +6,12 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from fibermelt.errors import ConfigError
-from fibermelt.report.window import figure_window, window_words
+from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
-from fibermelt.study.sweep import read_sweep
-from fibermelt.study.void_variables import VOID_VARIABLES
-from fibermelt.study.window import GAP, MEASURES, SPEED, critical_moistures, drying_advice
+from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.window import GAP, MEASURES, SPEED, critical_moistures, drying_advice
+from fibermelt.study.voids.variables import VOID_VARIABLES
 
 SATURATED = 0.005
 

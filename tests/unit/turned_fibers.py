@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
-from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_stage
-from fibermelt.study.sensitivity_stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.study.sensitivity.dimensions import DIMENSIONS_PARAMETERS, dimensions_stage
+from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbits_stage
 from fibermelt.study.stages import Parameters
 from fibermelt.study.variables import labelled
 

@@ -13,7 +13,7 @@ from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.rescale import rescaled
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.rheology import Newtonian
-from fibermelt.study.flow_stages import start_from
+from fibermelt.study.bead.flow import start_from
 from fibermelt.study.variables import labelled
 
 COARSE = FlowNumerics().coarsened(4.0)

@@ -41,7 +41,7 @@ def orbit(
 ) -> None:
     """Turn one fiber once in simple shear: its period, and the pressure extremes on it."""
     with told():
-        from fibermelt.study.orbit import (  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.questions.orbit import (  # noqa: PLC0415  lazy, as in run
             OrbitStudy,
             orbit_in_words,
             read_quantity,
@@ -103,8 +103,8 @@ def orientation(
 ) -> None:
     """Find how the fibers of a suspension lie in a steady flow of unit rate."""
     with told():
-        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.orientation import (  # noqa: PLC0415
+        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.questions.orientation import (  # noqa: PLC0415
             OrientationStudy,
             orientation_in_words,
             read_parameters,
@@ -140,12 +140,12 @@ def domain_size(
 ) -> None:
     """Find the cell that stands for a fiber content: where its fiber stalls, fibers lie."""
     with told():
-        from fibermelt.study.domain_size import (  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.questions.domain_size import (  # noqa: PLC0415  lazy, as in run
             DomainStudy,
             domain_in_words,
             run_domain_size,
         )
-        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415
+        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415
 
         given = None if interaction is None else read_quantity("--interaction", interaction, "")
         answer = run_domain_size(

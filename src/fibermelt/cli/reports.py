@@ -24,7 +24,7 @@ def report(
     """Write the report of a finished run or of a sweep: one HTML file that needs nothing else."""
     with told():
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
-        from fibermelt.report.sweep_page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
 
         folder = Path(directory)
         is_sweep = (folder / "sweep.json").exists()

@@ -24,7 +24,7 @@ from fibermelt.errors import ConfigError, legible
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
     from fibermelt.study.progress import Observer
-    from fibermelt.study.sweep import Sweep
+    from fibermelt.study.sweep.design import Sweep
 
 __all__ = ["clean", "collect", "plan", "resume", "status", "sweep"]
 
@@ -105,7 +105,7 @@ def sweep(
 
     def read() -> tuple[Sweep, Study]:
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep import read_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
 
         swept = load_study(study, sets or [])
         return read_sweep(swept, cold=cold), swept
@@ -123,8 +123,8 @@ def resume(
     """Go on with the sweep of a results folder; what is finished is not computed again."""
 
     def read() -> tuple[Sweep, Study]:
-        from fibermelt.study.sweep_record import restored  # noqa: PLC0415  lazy, as above
-        from fibermelt.study.sweep_store import CaseStore  # noqa: PLC0415
+        from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
+        from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
 
         return restored(CaseStore(Path(directory)))
 
@@ -141,7 +141,7 @@ def _go(
 ) -> None:
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep_runner import run_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.runner import run_sweep  # noqa: PLC0415
 
         folder = _existing_name(directory)
         swept, study = read()
@@ -165,7 +165,7 @@ def _go(
             raise typer.Exit(INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
-        from fibermelt.report.sweep_page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
 
         path = write_sweep_report(folder)
         if not as_json:
@@ -197,8 +197,8 @@ def plan(
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.loading import load_study  # noqa: PLC0415
-        from fibermelt.study.sweep import read_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep_status import list_plan  # noqa: PLC0415
+        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
 
         swept = load_study(study, sets or [])
         folder = Path("results", swept.name) if out is None else _existing_name(out)
@@ -231,7 +231,7 @@ def _plan_in_words(listed: dict[str, Any]) -> str:
 def status(directory: Folder, as_json: JsonOption = False) -> None:
     """Tell how far the sweep of a results folder is, and why cases failed."""
     with told():
-        from fibermelt.study.sweep_status import sweep_status  # noqa: PLC0415  lazy, as above
+        from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
 
         found = sweep_status(Path(directory))
         if as_json:
@@ -257,7 +257,7 @@ def clean(
     """Tell what no case and no run on show needs any more; with --yes, remove it."""
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep_status import list_unneeded, remove_unneeded  # noqa: PLC0415
+        from fibermelt.study.sweep.status import list_unneeded, remove_unneeded  # noqa: PLC0415
 
         folder = Path(directory)
         unneeded = list_unneeded(folder, CHAIN)
@@ -296,7 +296,7 @@ def collect(
         if to is not None and not to.strip():
             msg = '--to "": is no name of a file; write one, or leave --to away'
             raise ConfigError(msg)
-        from fibermelt.study.sweep_collect import (  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.study.sweep.collect import (  # noqa: PLC0415  lazy, as in _watching
             collect_sweep,
             write_netcdf,
             write_zarr,

@@ -36,9 +36,9 @@ def voids(
 ) -> None:
     """Tell where in the bead of a finished run voids start, and what drying would do."""
     with told():
-        from fibermelt.study.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.void_question import VoidQuestion, answer_voids  # noqa: PLC0415
-        from fibermelt.study.void_summary import voids_in_words  # noqa: PLC0415
+        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415
+        from fibermelt.study.voids.summary import voids_in_words  # noqa: PLC0415
 
         question = VoidQuestion(
             material=material,

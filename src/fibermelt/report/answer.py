@@ -13,7 +13,7 @@ from fibermelt.report.account import parameters
 from fibermelt.report.judged import tally
 from fibermelt.report.risk import advice
 from fibermelt.report.tables import fixed, short
-from fibermelt.study.void_summary import worst_line
+from fibermelt.study.voids.summary import worst_line
 
 if TYPE_CHECKING:
     import xarray as xr

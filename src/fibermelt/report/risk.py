@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from fibermelt.report.tables import Column, fixed, folded, number, percent, short, table
-from fibermelt.study.void_summary import worst_line
+from fibermelt.study.voids.summary import worst_line
 from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:

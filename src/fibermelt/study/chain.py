@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.study.claims import (
+from fibermelt.study.bead.fiber import cell_stage, motion_stage
+from fibermelt.study.bead.flow import (
+    FLOW_NUMERICS,
+    flow_from,
+    flow_stage,
+    streamlines_stage,
+    write_fields,
+)
+from fibermelt.study.bead.summary import bead_in_words, summarize_bead
+from fibermelt.study.claims.judge import (
     CLAIM_TABLES,
     claims_in_words,
     claims_stage,
@@ -13,40 +22,31 @@ from fibermelt.study.claims import (
     summarize_claims,
 )
 from fibermelt.study.config import FROM_CONTENT
-from fibermelt.study.dimension_stages import DIMENSIONS_PARAMETERS, dimensions_stage
-from fibermelt.study.fiber_stages import cell_stage, motion_stage
-from fibermelt.study.flow_stages import (
-    FLOW_NUMERICS,
-    flow_from,
-    flow_stage,
-    streamlines_stage,
-    write_fields,
-)
-from fibermelt.study.interaction_stage import interaction_stage
-from fibermelt.study.orientation_stages import content_stage, orientation_stage, stall_stage
-from fibermelt.study.orientation_summary import (
+from fibermelt.study.orientation.interaction import interaction_stage
+from fibermelt.study.orientation.stages import content_stage, orientation_stage, stall_stage
+from fibermelt.study.orientation.summary import (
     interaction_in_words,
     orientation_in_words,
     summarize_interaction,
     summarize_orientation,
 )
 from fibermelt.study.parts import Chain, Part
-from fibermelt.study.sensitivity_stages import ORBITS_PARAMETERS, orbits_stage
-from fibermelt.study.sensitivity_summary import (
+from fibermelt.study.sensitivity.dimensions import DIMENSIONS_PARAMETERS, dimensions_stage
+from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.study.sensitivity.summary import (
     dimensions_in_words,
     orbits_in_words,
     summarize_dimensions,
     summarize_orbits,
 )
 from fibermelt.study.stages import Stage
-from fibermelt.study.summary import bead_in_words, summarize_bead
-from fibermelt.study.verification_stage import verification_stage
-from fibermelt.study.verification_summary import (
+from fibermelt.study.verification.stage import verification_stage
+from fibermelt.study.verification.summary import (
     summarize_verification,
     verification_in_words,
 )
-from fibermelt.study.void_stages import VOID_PARAMETERS, voids_stage, with_orientation
-from fibermelt.study.void_summary import summarize_voids, voids_in_words
+from fibermelt.study.voids.stages import VOID_PARAMETERS, voids_stage, with_orientation
+from fibermelt.study.voids.summary import summarize_voids, voids_in_words
 from fibermelt.verify.ladder import LADDER_VERSION
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from fibermelt.study.parameters import Section, quantity, setting
-from fibermelt.study.void_config import Voids
+from fibermelt.study.voids.config import Voids
 
 __all__ = [
     "Config",

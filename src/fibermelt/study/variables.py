@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
-from fibermelt.study.orientation_variables import ORIENTATION_VARIABLES
-from fibermelt.study.sensitivity_variables import SENSITIVITY_VARIABLES
-from fibermelt.study.verification_variables import VERIFICATION_VARIABLES
-from fibermelt.study.void_variables import VOID_VARIABLES
+from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
+from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
+from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
+from fibermelt.study.voids.variables import VOID_VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr

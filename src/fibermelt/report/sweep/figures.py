@@ -1,0 +1,265 @@
+"""The figures of a sweep: main effects, maps over two axes, and what a design besides has to show.
+
+Each is a pure function of the collected sweep, as the figures of a run are of its results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fibermelt.errors import ConfigError
+from fibermelt.report.plates import Plate
+from fibermelt.report.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
+from fibermelt.report.style import styled as in_style
+from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
+from fibermelt.report.sweep.shares import (
+    all_indices,
+    index_words,
+    quantile_words,
+    sweep_indices,
+    sweep_quantiles,
+)
+from fibermelt.report.sweep.window import figure_window, window_words
+from fibermelt.report.tables import number
+from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
+from fibermelt.study.sweep.window import critical_moistures
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.report.style import Array
+    from fibermelt.study.sweep.responses import Response
+
+__all__ = ["effect", "effects_words", "sweep_effects", "sweep_plates"]
+
+ACROSS = 5
+"""Parameters side by side: with more, a page has no room for their numbers."""
+
+LEFT, RIGHT, FOOT, TOP = 22.0, 2.0, 11.0, 3.0
+TALL, BETWEEN = 27.0, 4.0
+"""Margins of the figure, height of a chart, and room between charts [mm]."""
+
+MANY_POINTS = 400
+"""Points of a chart that are drawn as lines; more as dots, whose bytes do not grow with them."""
+
+LABEL_WIDTH = 20
+"""Letters of an axis label on a line."""
+
+
+def effect(table: SweepTable, response: Response, axis: Varied) -> tuple[Array, Array]:
+    """Return the main effect of a parameter: values of it, and mean, least and largest response.
+
+    Of a grid the mean is over all other parameters: over those combinations of them of which every
+    value of this one has an answer, so that failed cases do not pass for an effect; if there are
+    none, over what is there. One at a time there is one case for each value.
+
+    Parameters
+    ----------
+    table : SweepTable
+        A grid, or one at a time.
+    response, axis : Response, Varied
+        One of its responses, and of what varied.
+
+    Returns
+    -------
+    levels : (n,) ndarray
+        Values of the parameter, in rising order.
+    found : (3, n) ndarray
+        Mean, least and largest response; NaN where no case has an answer.
+    """
+    place = table.axes.index(axis)
+    if table.groups:
+        chosen = list(table.groups[place])
+        order = np.argsort(axis.values[chosen], kind="stable")
+        values = response.values[chosen][order]
+        return axis.values[chosen][order], np.stack([values] * 3)
+    grid = np.moveaxis(response.values.reshape(table.shape), place, 0)
+    rows = grid.reshape(len(grid), -1)
+    whole = np.isfinite(rows).all(axis=0)
+    rows = rows[:, whole] if whole.any() else rows
+    at = np.moveaxis(axis.values.reshape(table.shape), place, 0).reshape(len(grid), -1)[:, 0]
+    order = np.argsort(at, kind="stable")
+    found = np.full((3, len(rows)), np.nan)
+    for row, values in enumerate(rows[order]):
+        there = values[np.isfinite(values)]
+        if there.size:
+            found[:, row] = there.mean(), there.min(), there.max()
+    return at[order], found
+
+
+def sweep_effects(collected: xr.Dataset, first: int = 0) -> Figure:
+    """Draw responses against parameters: a row for each response, a column for each parameter.
+
+    Parameters
+    ----------
+    collected : xarray.Dataset
+        A collected sweep.
+    first : int
+        The parameter to begin with: `ACROSS` of them are drawn.
+    """
+    return in_style(partial(_effects, first=first))(collected)
+
+
+def _effects(collected: xr.Dataset, first: int) -> Figure:
+    table = sweep_table(collected)
+    axes, rows = table.axes[first : first + ACROSS], table.varying
+    figure = new_figure(FULL, TOP + FOOT + len(rows) * TALL + (len(rows) - 1) * BETWEEN)
+    wide = min(60.0, (FULL - LEFT - RIGHT - (len(axes) - 1) * BETWEEN) / len(axes))
+    for row, response in enumerate(rows):
+        bottom = FOOT + (len(rows) - 1 - row) * (TALL + BETWEEN)
+        for column, axis in enumerate(axes):
+            chart = add_axes(figure, LEFT + column * (wide + BETWEEN), bottom, wide, TALL)
+            _chart(chart, table, response, axis)
+            chart.locator_params(axis="y", nbins=4)
+            if column == 0:
+                chart.set_ylabel(textwrap.fill(response.heading, LABEL_WIDTH), fontsize=6.5)
+            else:
+                chart.tick_params(labelleft=False)
+            if row == len(rows) - 1:
+                chart.set_xlabel(textwrap.fill(axis.heading, max(12, int(0.65 * wide))))
+            else:
+                chart.tick_params(labelbottom=False)
+    return figure
+
+
+def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> None:
+    """Draw one response against one parameter."""
+    if table.is_sampled:
+        many = len(axis.values) > MANY_POINTS
+        chart.plot(
+            axis.values,
+            response.values,
+            linestyle="none",
+            marker="o",
+            markersize=1.2 if many else 2.2,
+            markeredgewidth=0,
+            color=BLUE,
+            alpha=0.5,
+            rasterized=many,
+        )
+    else:
+        levels, (mean, least, most) = effect(table, response, axis)
+        if not table.groups and len(table.axes) > 1:
+            chart.fill_between(levels, least, most, color=BAND, linewidth=0)
+        chart.plot(levels, mean, color=BLUE, marker="o", markersize=3)
+        if table.groups:
+            chart.plot(*_own(response, axis), linestyle="none", marker="D", **OWN)
+    _y_range(chart, response)
+    if axis.labels:
+        chart.set_xticks(range(len(axis.labels)), [label[:12] for label in axis.labels])
+        chart.set_xlim(-0.3, len(axis.labels) - 0.7)
+    else:
+        chart.locator_params(axis="x", nbins=4)
+        chart.margins(x=0.08)
+
+
+OWN: dict[str, Any] = {"markersize": 4, "color": VERMILION, "markeredgecolor": INK}
+"""How the study itself is marked."""
+
+
+def _own(response: Response, axis: Varied) -> tuple[list[float], list[float]]:
+    """Return the point of the study itself, one at a time."""
+    return [float(axis.values[0])], [float(response.values[0])]
+
+
+def _y_range(chart: Axes, response: Response) -> None:
+    """Give the charts of a response one scale, so that effects can be compared."""
+    there = response.values[np.isfinite(response.values)]
+    room = 0.07 * float(np.ptp(there))
+    chart.set_ylim(float(there.min()) - room, float(there.max()) + room)
+
+
+def effects_words(collected: xr.Dataset, first: int = 0) -> Words:
+    """Return caption and alternative text of `sweep_effects`."""
+    table = sweep_table(collected)
+    axes = table.axes[first : first + ACROSS]
+    names = ", ".join(axis.title for axis in axes)
+    if table.is_sampled:
+        how = "A point for each case; all parameters vary at once."
+    elif table.groups:
+        how = (
+            "One parameter varies at a time, all else is as in the study itself, the diamond. "
+            "Lines only guide the eye."
+        )
+    elif len(table.axes) > 1:
+        how = (
+            "Lines: the mean over all other parameters; grey: from the least to the largest "
+            "response over them. Where cases failed, the mean is over those combinations of the "
+            "others for which none did, as far as there are any."
+        )
+    else:
+        how = "A point for each case."
+    same = [one.title.lower() for one in table.responses if not one.varies]
+    rest = f" The same in all cases, or not there: {', '.join(same)}." if same else ""
+    return Words(
+        caption=(
+            f"Main effects: responses against {names}, to one scale for each response. {how}{rest}"
+        ),
+        alt=(
+            f"Small charts of {len(table.varying)} responses against {names}. "
+            + " ".join(_strongest(table, one, axes) for one in table.varying)
+        ),
+    )
+
+
+def _strongest(table: SweepTable, response: Response, axes: tuple[Varied, ...]) -> str:
+    """Return the range of a response in words, and what it follows most where that can be said."""
+    there = response.values[np.isfinite(response.values)]
+    unit = f" {response.unit}" if response.unit else ""
+    told = f"{response.title}: {number(float(there.min()), 3)} to {number(float(there.max()), 3)}"
+    if table.is_sampled or len(axes) < 2:
+        return f"{told}{unit}."
+    spans = []
+    for axis in axes:
+        means = effect(table, response, axis)[1][0]
+        means = means[np.isfinite(means)]
+        spans.append(float(np.ptp(means)) if means.size else 0.0)
+    return f"{told}{unit}, most by {axes[int(np.argmax(spans))].title}."
+
+
+def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
+    """Return the figures that a collected sweep is enough for, in the order of its report.
+
+    Parameters
+    ----------
+    collected : xarray.Dataset
+        As `fibermelt.study.sweep.collect.collect_sweep` returns it.
+    """
+    table = sweep_table(collected)
+    found: list[Plate] = []
+    draw: Callable[[xr.Dataset], Figure]
+    words: Callable[[xr.Dataset], Words]
+    if _is_window(collected):
+        found.append(Plate("window", "The process window", figure_window, window_words))
+    if table.varying:
+        for first in range(0, len(table.axes), ACROSS):
+            draw = partial(sweep_effects, first=first)
+            words = partial(effects_words, first=first)
+            more = f", from {table.axes[first].title} on" if first else ""
+            name = f"effects-{first // ACROSS + 1}" if first else "effects"
+            found.append(Plate(name, f"Main effects{more}", draw, words))
+    if maps_there(table):
+        found.append(Plate("maps", "Responses over both parameters", sweep_maps, map_words))
+    if table.is_sampled and table.varying:
+        found.append(Plate("quantiles", "Spread of the responses", sweep_quantiles, quantile_words))
+    if indices := all_indices(table):
+        draw = partial(sweep_indices, found=indices)
+        words = partial(index_words, found=indices)
+        found.append(Plate("indices", "What the spread is due to", draw, words))
+    return tuple(found)
+
+
+def _is_window(collected: xr.Dataset) -> bool:
+    """Tell whether a sweep is a process window of which some case has an answer."""
+    try:
+        worst, median = critical_moistures(collected)
+    except ConfigError:
+        return False
+    return bool(np.isfinite(worst).any() and np.isfinite(median).any())

@@ -1,0 +1,1 @@
+"""Stages and summary of fibers in the bead: flow, streamlines, cell, motion."""

@@ -1,0 +1,227 @@
+"""The fiber's stages: its cell, and its motion and pressure along streamlines, as labelled data.
+
+What computes is imported when a stage runs, so that a study that is stored costs nothing.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Literal
+
+from fibermelt.study.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.variables import labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.fiber.cell_data import CellNumerics
+    from fibermelt.fiber.models import FiberModel
+    from fibermelt.fiber.paths import PathBundle
+    from fibermelt.fiber.shape import Ellipse
+
+__all__ = ["cell_stage", "domain_size", "motion_stage", "stored_model", "stored_path"]
+
+MODELS_KEPT = 8
+"""Models of fibers that are kept at hand: a few hundred kilobytes each."""
+
+PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
+    "mean": "cell-edge",
+    "far-node": "far-node",
+}
+"""Names that the pressure's level has in a study, and in `fibermelt.fiber`."""
+
+
+def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Solve the fiber's cell, or take what is known of a fiber without one."""
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+
+    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
+    if parameters["fiber.model"] == "confined-ellipse":
+        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
+    return _unbounded(fiber, parameters["fiber.model"], say)
+
+
+def domain_size(parameters: Parameters, inputs: Inputs) -> float:
+    """Return ``M`` of the fiber's cell [-]: as the study says, or from its fiber content."""
+    if "content" in inputs:
+        return float(inputs["content"]["content_domain_size"])
+    return float(parameters["fiber.domain_size"])
+
+
+def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
+    """Solve the cell of a confined ellipse."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
+
+    solution = solve_cell(fiber, size, _numerics(parameters))
+    say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
+    stall_angle, error = solution.stall_angle, solution.error_estimate
+    return labelled(
+        {
+            "fiber_model": "confined-ellipse",
+            "aspect_ratio": fiber.aspect_ratio,
+            "domain_size": solution.domain_size,
+            "shape_factor": solution.shape_factor,
+            "stall_angle": np.nan if stall_angle is None else stall_angle,
+            "tip_pressure": solution.tip_pressure,
+            "shape_factor_error": np.nan if error is None else error.shape_factor,
+            "tip_pressure_error": np.nan if error is None else error.tip_pressure,
+            "cell_unknowns": solution.unknowns,
+            "surface_angle": solution.response.surface,
+            "surface_basis": solution.response.basis,
+            "cell_point": solution.points,
+            "cell_triangle": solution.cells,
+            "cell_edge": solution.element_edges,
+            "cell_velocity": solution.velocity,
+            "cell_pressure": solution.pressure,
+        }
+    )
+
+
+def _numerics(parameters: Parameters) -> CellNumerics:
+    """Return how the study's cell is solved."""
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
+
+    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    if parameters["numerics.cell_mesh"] == "paper":
+        return CellNumerics(mesh="paper", pressure_reference=reference)
+    return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
+
+
+def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -> xr.Dataset:
+    """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
+
+    An unbounded fiber tumbles, as ``xi < 1``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
+
+    model = unbounded_model(name, fiber)
+    response, around = model.response, surroundings(model)
+    say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
+    return labelled(
+        {
+            "fiber_model": name,
+            "aspect_ratio": fiber.aspect_ratio,
+            "domain_size": np.nan,
+            "shape_factor": response.shape_factor,
+            "stall_angle": np.nan,
+            "tip_pressure": response.tip_pressure,
+            "shape_factor_error": 0.0,
+            "tip_pressure_error": 0.0,
+            "cell_unknowns": 0,
+            "surface_angle": response.surface,
+            "surface_basis": response.basis,
+            "cell_point": around.points,
+            "cell_triangle": around.cells,
+            "cell_edge": around.lines,
+            "cell_velocity": around.velocity,
+            "cell_pressure": around.pressure,
+        }
+    )
+
+
+def stored_model(cell: xr.Dataset) -> FiberModel:
+    """Return the fiber's model that was stored; the same cell gives the very same model.
+
+    What a model has worked out, such as its support function, then serves all cases of a sweep
+    that share the cell.
+    """
+    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
+    if name != "confined-ellipse":
+        return _unbounded_model(name, aspect_ratio)
+    surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
+    factor = float(cell["shape_factor"])
+    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _unbounded_model(name: Any, aspect_ratio: float) -> FiberModel:
+    """Return the model of a fiber without a cell."""
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _confined_model(
+    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
+) -> FiberModel:
+    """Return the model of a fiber from the numbers of its cell."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
+    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
+
+    angles = np.frombuffer(surface)
+    return confined_model(
+        FiberResponse(
+            aspect_ratio=aspect_ratio,
+            shape_factor=shape_factor,
+            surface=angles,
+            basis=np.frombuffer(basis).reshape(len(angles), -1),
+        )
+    )
+
+
+def stored_path(lines: xr.Dataset) -> PathBundle:
+    """Return the flow histories that were stored."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.paths import PathBundle  # noqa: PLC0415
+    from fibermelt.history import FlowHistory  # noqa: PLC0415
+
+    position = np.stack([lines["x"], lines["y"]], axis=-1)
+    velocity = np.stack([lines["u"], lines["v"]], axis=-1)
+    time, gradient, pressure = (lines[n].to_numpy() for n in ("time", "gradient", "pressure"))
+    return PathBundle(
+        [
+            FlowHistory(time[k], position[k], velocity[k], gradient[k], pressure[k])
+            for k in range(len(time))
+        ]
+    )
+
+
+def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Follow the fibers along all streamlines, and find the pressure on their surfaces.
+
+    What is over every orientation, bounds and quantiles, is by superposition on either path: the
+    paper's algorithm would take a run of its own for each.
+    """
+    from fibermelt.fiber.extremes import KINDS, LOCATIONS, extreme_bounds  # noqa: PLC0415
+    from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
+    from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
+
+    path, model = stored_path(inputs["streamlines"]), stored_model(inputs["cell"])
+    viscosity, count = parameters["melt.viscosity"], parameters["numerics.isotropic_angles"]
+    middle = inputs["streamlines"]["middle_time"].to_numpy()
+    zone_time = inputs["streamlines"]["zone_time"].to_numpy()
+    if parameters["fiber.path"] == "newton":
+        size, numerics = domain_size(parameters, inputs), _numerics(parameters)
+        followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
+    elif parameters["fiber.directions"] == "in-plane":
+        followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
+    else:
+        followed = followed_in_space(parameters, path, model, middle, zone_time, say)
+    bounds = pressure_bounds(path, model.response, viscosity)
+    say(f"{count} directions of an isotropic start")
+    isotropic = model.isotropic_pressure(path, viscosity, middle, count, QUANTILE_LEVELS)
+    return labelled(
+        {
+            **followed,
+            "location": list(LOCATIONS),
+            "kind": list(KINDS),
+            "quantile": isotropic.levels,
+            "bound_lowest": bounds.lowest,
+            "bound_highest": bounds.highest,
+            "quantile_lowest": isotropic.lowest,
+            "quantile_highest": isotropic.highest,
+            "extreme_bounds": extreme_bounds(path, bounds, middle),
+            "extreme_quantiles": isotropic.extremes,
+        }
+    )

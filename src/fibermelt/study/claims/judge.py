@@ -1,0 +1,320 @@
+"""The paper's claims, and whether they hold: statements as data, judged by code on the results.
+
+A claim (``data/claims.toml``) names a quantity of `fibermelt.study.claims.quantities` and what
+the paper says of it: a value with a tolerance, or a bound. Nothing here knows the answer.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any, Literal
+
+from fibermelt.study.claims.bead import BEAD
+from fibermelt.study.claims.fiber import FIBER
+from fibermelt.study.claims.quantities import NotStoredError, Quantity
+from fibermelt.study.claims.voids import VOIDS
+from fibermelt.study.parameters import flatten
+from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.toml import as_toml
+from fibermelt.study.variables import labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.parameters import Value
+
+__all__ = [
+    "CLAIM_TABLES",
+    "Claim",
+    "Judgement",
+    "claims",
+    "claims_in_words",
+    "claims_stage",
+    "fed_by_parts",
+    "judge",
+    "measured",
+    "summarize_claims",
+]
+
+QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
+"""What claims are judged by, by name."""
+
+Verdict = Literal["holds", "differs", "cannot be judged"]
+
+UNITS = {
+    "": 1.0,
+    "%": 0.01,
+    "MPa": 1e6,
+    "kPa": 1e3,
+    "mm": 1e-3,
+    "s": 1.0,
+    "rad": 1.0,
+    "deg": math.radians(1.0),
+}
+"""What claims are written in, in SI."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper that its text supports.
+
+    Parameters
+    ----------
+    id : str
+        Its name.
+    section : str
+        Where the paper makes it.
+    statement : str
+        What it says, in our words.
+    quantity : str
+        What of the results it is judged by: a name in `QUANTITIES`.
+    measure : str
+        What that quantity is, in words.
+    unit : str
+        What its numbers are written in.
+    why : str
+        Why the tolerance or the bound is what it is.
+    paper : float or None
+        The paper's value, if it gives one.
+    tolerance : float or None
+        Largest difference from the paper's value with which it holds.
+    at_least, at_most : float or None
+        Bounds of the quantity within which it holds, if the paper gives no value.
+    known : str
+        Why ours differs, as far as that is known.
+    """
+
+    id: str
+    section: str
+    statement: str
+    quantity: str
+    measure: str
+    unit: str
+    why: str
+    paper: float | None = None
+    tolerance: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+    known: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a claim that cannot be judged whatever the results are."""
+        if self.unit not in UNITS:
+            msg = f"claim {self.id}: unit {self.unit!r} is none of {', '.join(UNITS)}"
+            raise ValueError(msg)
+        given = (self.paper, self.tolerance)
+        if (None in given) != (given == (None, None)) or (
+            self.paper is None and self.at_least is None and self.at_most is None
+        ):
+            msg = f"claim {self.id}: give a value and its tolerance, or bounds"
+            raise ValueError(msg)
+
+    @property
+    def said(self) -> str:
+        """Return what the paper says of the quantity: a value, or a bound that follows."""
+        unit = f" {self.unit}" if self.unit else ""
+        if self.paper is not None:
+            return f"{self.paper:g}{unit}"
+        low = [f"at least {self.at_least:g}{unit}"] if self.at_least is not None else []
+        high = [f"at most {self.at_most:g}{unit}"] if self.at_most is not None else []
+        return " and ".join(low + high)
+
+    def excess(self, value: float) -> float:
+        """Return by how much a value [unit of the claim] misses what the paper says; 0 if not."""
+        if self.paper is not None and self.tolerance is not None:
+            difference = value - self.paper
+            return 0.0 if abs(difference) <= self.tolerance else difference
+        if self.at_least is not None and value < self.at_least:
+            return value - self.at_least
+        if self.at_most is not None and value > self.at_most:
+            return value - self.at_most
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the results say of a claim.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    value : float or None
+        The quantity in the claim's unit; None if the results do not have it.
+    verdict : str
+        ``"holds"``, ``"differs"`` or ``"cannot be judged"``.
+    reason : str
+        By how much it differs and why, or why it cannot be judged; what the bound is otherwise.
+    """
+
+    claim: Claim
+    value: float | None
+    verdict: Verdict
+    reason: str
+
+    @property
+    def ours(self) -> str:
+        """Return our number with its unit."""
+        return "" if self.value is None else f"{self.value:.4g} {self.claim.unit}".rstrip()
+
+
+@cache
+def claims() -> tuple[Claim, ...]:
+    """Return the claims that ship with the package, in the order of the paper."""
+    text = files("fibermelt.data").joinpath("claims.toml").read_text(encoding="utf-8")
+    return tuple(Claim(**entry) for entry in tomllib.loads(text)["claim"])
+
+
+def measured(claim: Claim, results: xr.Dataset) -> tuple[float, str]:
+    """Return the quantity of a claim in its unit, and why there is none: NaN and the reason.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    results : xarray.Dataset
+        As in results.nc; a quantity of a part that was not run cannot be had.
+    """
+    try:
+        return QUANTITIES[claim.quantity](results) / UNITS[claim.unit], ""
+    except NotStoredError as error:
+        return math.nan, str(error)
+
+
+def judge(claim: Claim, value: float, missing: str = "", *, as_in_paper: bool = True) -> Judgement:
+    """Return what a measured quantity says of a claim.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    value : float
+        The quantity in the claim's unit; NaN if there is none.
+    missing : str
+        Why there is none.
+    as_in_paper : bool
+        Whether the study has the paper's conditions; the known reasons are for these.
+    """
+    if math.isnan(value):
+        return Judgement(claim, None, "cannot be judged", missing)
+    excess = claim.excess(value)
+    if excess == 0.0:
+        return Judgement(claim, value, "holds", claim.why)
+    unit = f" {claim.unit}" if claim.unit else ""
+    against = "what the paper says" if claim.paper is not None else "the bound"
+    missed = f"{abs(excess):.3g}{unit} {'above' if excess > 0 else 'below'} {against}"
+    if not as_in_paper:
+        return Judgement(claim, value, "differs", f"{missed}; the conditions are not the paper's")
+    reason = f"{missed}: {claim.known}" if claim.known else f"{missed}, for no reason that we know"
+    return Judgement(claim, value, "differs", reason)
+
+
+CLAIM_TABLES = ("flow", "fiber", "interaction")
+"""What of a study the quantities read besides the results."""
+
+STAGES_OF = {
+    "bead": ("streamlines", "motion"),
+    "interaction": ("content", "interaction", "stall"),
+    "orbits": ("orbits",),
+    "voids": ("streamlines", "voids"),
+}
+"""The stages that claims are judged by, by the part of a study that has them."""
+
+
+def fed_by_parts(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return the stages that the claims are fed, as far as a study has their parts."""
+    parts: Any = values["study.parts"]
+    asked = [name for part, names in STAGES_OF.items() if part in parts for name in names]
+    return tuple(dict.fromkeys(asked))
+
+
+def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Measure what the paper's claims are judged by."""
+    import numpy as np  # noqa: PLC0415  lazy, as in the other stages
+    import xarray as xr  # noqa: PLC0415
+
+    results = xr.merge(
+        inputs.values(), combine_attrs="drop", compat="identical", join="exact"
+    ).assign_attrs(config=as_toml(parameters))
+    found = [measured(claim, results) for claim in claims()]
+    say(f"{np.count_nonzero([not missing for _, missing in found])} of {len(found)} claims")
+    return labelled(
+        {
+            "claim": [claim.id for claim in claims()],
+            "claim_value": [value for value, _ in found],
+            "claim_missing": [missing for _, missing in found],
+        }
+    )
+
+
+CONDITIONS = ("flow", "melt", "fiber", "streamlines", "interaction", "sensitivity", "numerics")
+"""The tables of a study that make its conditions."""
+
+
+def has_conditions_of_paper(results: xr.Dataset) -> bool:
+    """Tell whether results are of the paper's study, whatever parts of it were computed."""
+    from fibermelt.study.loading import load_study  # noqa: PLC0415  the claims' only use of it
+
+    tables = tomllib.loads(results.attrs.get("config", ""))
+    paper = tomllib.loads(as_toml(flatten(load_study("paper").config)))
+    return all(tables.get(name) == paper[name] for name in CONDITIONS)
+
+
+def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
+    """Return what summary.json says of the claims.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        As in results.nc, with the claims' quantities.
+
+    Returns
+    -------
+    dict
+        ``{"claims": [{"id", "section", "statement", "measure", "paper", "ours", "verdict",
+        "reason"}, ...]}``, numbers with their units as text.
+    """
+    values = dict(zip(results["claim"].to_numpy(), results["claim_value"].to_numpy(), strict=True))
+    why = dict(zip(results["claim"].to_numpy(), results["claim_missing"].to_numpy(), strict=True))
+    same = has_conditions_of_paper(results)
+    found = [
+        judge(claim, float(values[claim.id]), str(why[claim.id]), as_in_paper=same)
+        for claim in claims()
+    ]
+    return {
+        "claims": [
+            {
+                "id": one.claim.id,
+                "section": one.claim.section,
+                "statement": one.claim.statement,
+                "measure": one.claim.measure,
+                "paper": one.claim.said,
+                "ours": one.ours,
+                "verdict": one.verdict,
+                "reason": one.reason,
+            }
+            for one in found
+        ]
+    }
+
+
+def claims_in_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return the claims' verdicts as a table for a terminal, and how many there are of each."""
+    rows = [
+        (one["id"], one["paper"], one["ours"] or "-", one["verdict"]) for one in summary["claims"]
+    ]
+    heads = ("claim", "the paper", "ours", "verdict")
+    widths = [max(len(row[k]) for row in (heads, *rows)) for k in range(len(heads))]
+    lines = [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in (heads, *rows)
+    ]
+    verdicts = [one["verdict"] for one in summary["claims"]]
+    kinds: tuple[Verdict, ...] = ("holds", "differs", "cannot be judged")
+    tally = ", ".join(f"{verdicts.count(kind)} {kind}" for kind in kinds)
+    return ["", *lines, "", f"claims          {tally}"]

@@ -1,0 +1,80 @@
+"""What claims on voids over the bead are judged by; see `fibermelt.study.claims.quantities`.
+
+The profile goes from the bed to the free surface. Each quantity is the rank correlation of a
+layer's height and its lowest pressure: 1 where the risk falls from each layer to the one above.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fibermelt.study.claims.quantities import NotStoredError, by_name, needing
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["VOIDS"]
+
+needs = partial(needing, part="voids")
+
+FEWEST_LAYERS = 3
+"""Layers that a trend takes."""
+
+
+def _rise(results: xr.Dataset, name: str, selection: str, basis: str = "") -> float:
+    """Return Spearman's rank correlation of height and a pressure of the profile."""
+    import numpy as np  # noqa: PLC0415  lazy, as in the stages
+    from scipy.stats import spearmanr  # noqa: PLC0415
+
+    place = [str(one) for one in results["void_selection"].to_numpy()].index(selection)
+    layers = results[name].isel(void_selection=place)
+    if basis:
+        label = [str(one) for one in results["void_basis"].to_numpy()].index(basis)
+        layers = layers.isel(void_basis=label)
+    pressure, height = layers.to_numpy(), results["void_layer"].to_numpy()
+    there = ~np.isnan(pressure)
+    if np.count_nonzero(there) < FEWEST_LAYERS or not np.ptp(pressure[there]):
+        msg = "fewer than three layers of the bead differ: there is no trend to judge"
+        raise NotStoredError(msg)
+    return float(spearmanr(height[there], pressure[there]).statistic)
+
+
+@needs("void_layer_fiber_pressure")
+def void_profile_of_fibers(results: xr.Dataset) -> float:
+    """Return the trend of the mean over the initial angles, without singular streamlines."""
+    return _rise(results, "void_layer_fiber_pressure", "regular")
+
+
+@needs("void_layer_fiber_pressure")
+def void_profile_of_fibers_all(results: xr.Dataset) -> float:
+    """Return the trend of the mean over the initial angles, with all streamlines."""
+    return _rise(results, "void_layer_fiber_pressure", "all")
+
+
+@needs("void_layer_mean_pressure")
+def void_profile_of_bounds(results: xr.Dataset) -> float:
+    """Return the trend of a fiber in its worst direction, without singular streamlines."""
+    return _rise(results, "void_layer_mean_pressure", "regular", "bounds")
+
+
+@needs("void_layer_mean_pressure")
+def void_profile_of_bounds_all(results: xr.Dataset) -> float:
+    """Return the trend of a fiber in its worst direction, with all streamlines."""
+    return _rise(results, "void_layer_mean_pressure", "all", "bounds")
+
+
+@needs("void_layer_mean_pressure")
+def void_profile_of_spheroids(results: xr.Dataset) -> float:
+    """Return the trend of an unbounded spheroid in any direction, without singular streamlines."""
+    return _rise(results, "void_layer_mean_pressure", "regular", "spheroid")
+
+
+VOIDS = by_name(
+    void_profile_of_fibers,
+    void_profile_of_fibers_all,
+    void_profile_of_bounds,
+    void_profile_of_bounds_all,
+    void_profile_of_spheroids,
+)
+"""The quantities of voids over the bead, by their names."""

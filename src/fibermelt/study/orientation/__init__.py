@@ -1,0 +1,1 @@
+"""Stages and summaries of suspensions: the tensor along the flow, interaction, content."""

@@ -1,0 +1,1 @@
+"""What a single command answers without a results folder of its own."""

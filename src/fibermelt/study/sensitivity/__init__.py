@@ -1,0 +1,1 @@
+"""Single fibers in simple shear, and ellipses against the spheroids that they stand for."""

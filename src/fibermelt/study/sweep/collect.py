@@ -1,0 +1,253 @@
+"""The numbers of all cases of a sweep as one labelled dataset over the sweep's axes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import ConfigError, StoreError, legible
+from fibermelt.study.config import Config
+from fibermelt.study.files import partial, remove, replace_file, storage_errors
+from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.parameters import Declaration, declarations
+from fibermelt.study.schema import SCHEMA
+from fibermelt.study.sweep.collection import Reduced
+from fibermelt.study.sweep.record import Asked, read_asked
+from fibermelt.study.sweep.store import CaseStore
+from fibermelt.study.toml import resolved_toml
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+__all__ = ["collect_sweep", "write_netcdf", "write_zarr"]
+
+Found = dict[str, tuple[tuple[str, ...], "NDArray[Any]", dict[str, Any]]]
+"""Variables: dimensions, values, attributes."""
+
+
+def collect_sweep(directory: Path) -> xr.Dataset:
+    """Return the numbers of a sweep.
+
+    Of a grid the dimensions are its axes, by their keys (``fiber.aspect_ratio``); of any other
+    design there is one, ``case``. What varies is a coordinate along them. A case that failed, or is
+    not finished, is NaN, an empty text where there is text; ``status`` and ``reason`` tell why.
+
+    Parameters
+    ----------
+    directory : Path
+        The results folder.
+
+    Raises
+    ------
+    StoreError
+        If it holds no sweep, or a file in it is damaged.
+    """
+    import xarray as xr  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+    cases = CaseStore(directory)
+    asked = read_asked(cases)
+    dimensions = tuple(keys[0] for keys in asked.axes) if asked.is_grid else ("case",)
+    shape = asked.shape if asked.is_grid else (len(asked.cases),)
+    found = _numbers(cases, [case.result for case in asked.cases])
+    if cases.damaged:
+        msg = (
+            f"{cases.damaged[0]}: is damaged, or was changed since it was written; fibermelt "
+            "resume DIR computes its cases anew"
+        )
+        raise StoreError(msg)
+    found |= _status(cases, asked)
+    variables: dict[str, Any] = {}
+    for name, (dims, values, about) in sorted(found.items()):
+        if dims[:1] == ("case",):
+            over = values.reshape(*shape, *values.shape[1:])
+            variables[name] = ((*dimensions, *dims[1:]), over, about)
+        else:
+            variables[name] = (dims, values, about)
+    dataset = xr.Dataset(variables, coords=_coordinates(asked, dimensions))
+    dataset.attrs = {
+        "title": f"fibermelt sweep {legible(asked.study.name)}",
+        "schema": SCHEMA,
+        "config": resolved_toml(asked.study.config, "The study that was swept, in SI."),
+        "sweep": json.dumps(asked.study.sweep),
+    }
+    return dataset
+
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How a netCDF-4 file begins."""
+
+
+def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """Write a dataset as netCDF-4, whole or not at all.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be written, its folder is not there, or a file is that holds something else.
+    """
+    if not path.parent.is_dir():
+        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
+        raise StoreError(msg)
+    with storage_errors(path):
+        if path.exists() and not path.read_bytes().startswith(HDF5):
+            msg = f"{path}: is there and no dataset; it is not overwritten: name another with --to"
+            raise StoreError(msg)
+    replace_file(path, to_bytes(dataset))
+
+
+def write_zarr(dataset: xr.Dataset, path: Path) -> None:
+    """Write a dataset as a Zarr folder, whole or not at all.
+
+    Raises
+    ------
+    ConfigError
+        If zarr is not installed.
+    StoreError
+        If it cannot be written.
+    """
+    if find_spec("zarr") is None:
+        msg = "--zarr needs the package zarr: pip install zarr, or leave it away for netCDF"
+        raise ConfigError(msg)
+    temporary = partial(path.parent)
+    with storage_errors(path):
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            dataset.to_zarr(temporary, mode="w", consolidated=False)
+            if path.exists():
+                remove(path)
+            temporary.rename(path)
+        finally:
+            remove(temporary)
+
+
+def _numbers(cases: CaseStore, results: Sequence[str]) -> Found:
+    """Return the variables of all batches over ``case``, with what is missing as NaN."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    rows: dict[str, list[int]] = {}
+    for row, result in enumerate(results):
+        rows.setdefault(result, []).append(row)
+    batches = []
+    for batch in cases.batches():
+        # A case may be in two files: then its numbers are the same, and the first are taken.
+        own = [(k, rows.pop(key)) for k, key in enumerate(batch.keys) if key in rows]
+        if own:
+            at = np.array([place for place, targets in own for _ in targets])
+            to = np.array([target for _, targets in own for target in targets])
+            batches.append((batch.variables, at, to))
+    sizes, labels = _extents([variables for variables, _, _ in batches])
+    found: Found = {
+        name: ((name,), np.array(list(values)), about) for name, (values, about) in labels.items()
+    }
+    for variables, at, to in batches:
+        for name, kept in variables.items():
+            if name in labels:
+                continue
+            own_dims = kept.dimensions[1:]
+            if name not in found:
+                shape = (len(results), *(sizes[dim] for dim in own_dims))
+                about = {"units": kept.units, "long_name": kept.long_name}
+                found[name] = (kept.dimensions, _nothing(kept.values.dtype, shape), about)
+            places = [
+                np.array([labels[dim][0][value] for value in variables[dim].values.tolist()])
+                if dim in labels
+                else np.arange(size)
+                for dim, size in zip(own_dims, kept.values.shape[1:], strict=True)
+            ]
+            found[name][1][np.ix_(to, *places)] = kept.values[at]
+    return found
+
+
+def _extents(
+    batches: Sequence[Reduced],
+) -> tuple[dict[str, int], dict[str, tuple[dict[Any, int], dict[str, str]]]]:
+    """Return the size of every dimension, and the places of its labels, over all batches."""
+    labels: dict[str, tuple[dict[Any, int], dict[str, str]]] = {}
+    orders: dict[str, set[tuple[Any, ...]]] = {}
+    sizes: dict[str, int] = {}
+    for variables in batches:
+        for name, kept in variables.items():
+            for dim, size in zip(kept.dimensions, kept.values.shape, strict=True):
+                sizes[dim] = max(sizes.get(dim, 0), size)
+            if kept.is_label(name):
+                about = {"units": kept.units, "long_name": kept.long_name}
+                values, _ = labels.setdefault(name, ({}, about))
+                orders.setdefault(name, set()).add(tuple(kept.values.tolist()))
+                values.update(dict.fromkeys(kept.values.tolist(), 0))
+    for name, (values, about) in labels.items():
+        # In the order that all cases have; where they differ, in one that no case decides.
+        ordered = list(values) if len(orders[name]) == 1 else sorted(values)
+        labels[name] = ({value: place for place, value in enumerate(ordered)}, about)
+        sizes[name] = len(ordered)
+    return sizes, labels
+
+
+def _nothing(dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return an array of what stands for a missing case."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    if dtype.kind in "OUST":
+        return np.full(shape, "", dtype=object)
+    return np.full(shape, np.nan)
+
+
+def _status(cases: CaseStore, asked: Asked) -> Found:
+    """Return what became of every case, and why."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    failures = cases.failures()
+    done = {key for keys in cases.batch_results().values() for key in keys}
+    status, reason = [], []
+    for case in asked.cases:
+        failure = None if case.result in done else asked.failure(case, failures)
+        status.append("done" if case.result in done else "failed" if failure else "pending")
+        reason.append(failure.reason if failure else "")
+    told = {"units": "1", "long_name": "what became of the case: done, failed or pending"}
+    why = {"units": "1", "long_name": "why the case failed"}
+    return {
+        "status": (("case",), np.array(status, dtype=object), told),
+        "reason": (("case",), np.array(reason, dtype=object), why),
+    }
+
+
+def _coordinates(asked: Asked, dimensions: tuple[str, ...]) -> dict[str, Any]:
+    """Return the parameters that vary, along the axes of a grid or along ``case``."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    known = {declaration.key: declaration for declaration in declarations(Config)}
+    coordinates = {}
+    if not asked.is_grid:
+        points = [case.point for case in asked.cases]
+        for key in (key for keys in asked.axes for key in keys):
+            coordinates[key] = ("case", *_coordinate([p[key] for p in points], known[key]))
+        return coordinates
+    places = np.arange(len(asked.cases)).reshape(asked.shape)
+    for axis, (name, keys) in enumerate(zip(dimensions, asked.axes, strict=True)):
+        along = places.transpose(axis, *(k for k in range(places.ndim) if k != axis))
+        first = along.reshape(len(along), -1)[:, 0]
+        for key in keys:
+            values = [asked.cases[place].point[key] for place in first]
+            coordinates[key] = (name, *_coordinate(values, known[key]))
+    return coordinates
+
+
+def _coordinate(values: list[Any], about: Declaration) -> tuple[NDArray[Any], dict[str, str]]:
+    """Return the values of a parameter as an array: numbers in SI, or else text."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    attributes = {"units": about.unit or "1", "long_name": about.doc}
+    if all(value is None or isinstance(value, (int, float)) for value in values):
+        numbers = [np.nan if value is None else value for value in values]
+        return np.array(numbers, dtype=float), attributes
+    if about.unit:
+        attributes = {"units": "1", "long_name": f"{about.doc} In {about.unit}."}
+    texts = [
+        ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+        for value in values
+    ]
+    return np.array(texts, dtype=object), attributes

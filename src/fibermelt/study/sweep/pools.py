@@ -1,0 +1,258 @@
+"""Who does the tasks of a sweep: this process, a cluster on this machine, or one that is there.
+
+dask.distributed is imported when a cluster is wanted, and never for anything else.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+import tempfile
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Protocol
+
+from fibermelt.errors import ConfigError, FibermeltError
+from fibermelt.study.sweep.tasks import Outcome, Task, forget, fulfil, single_threaded
+
+__all__ = ["Died", "Pool", "open_pool"]
+
+CONNECT = 20.0
+"""Time [s] in which a scheduler has to answer: it is there, or it is not."""
+
+COUNT_AGAIN = 5.0
+"""Time [s] after which the workers are counted again: on a cluster they come and go."""
+
+DEATHS = 3
+"""Workers that may die over a task before it is given up, as dask counts them."""
+
+
+class Died:
+    """In place of outcomes: the workers that had a task were killed, one after the other."""
+
+
+class Pool(Protocol):
+    """Who does tasks."""
+
+    def threads(self) -> int:
+        """Return how many tasks can be done at once; none while there are no workers."""
+
+    def submit(self, task: Task) -> None:
+        """Have a task done some time."""
+
+    def next(self, timeout: float) -> tuple[Task, list[Outcome] | Died] | None:
+        """Return a task that is finished, or None if there is none in a time [s]."""
+
+
+class _Here:
+    """Does one task after the other, in this process."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[Task] = deque()
+
+    def threads(self) -> int:
+        """Return one."""
+        return 1
+
+    def submit(self, task: Task) -> None:
+        """Put it into the queue."""
+        self._waiting.append(task)
+
+    def next(self, timeout: float) -> tuple[Task, list[Outcome] | Died] | None:
+        """Do the first task in the queue."""
+        if not self._waiting:
+            time.sleep(timeout)
+            return None
+        task = self._waiting.popleft()
+        return task, fulfil(task)
+
+
+class _Cluster:
+    """Workers of dask.distributed."""
+
+    def __init__(self, client: Any, where: str) -> None:
+        self._client = client
+        self._where = where
+        self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
+        self._futures: set[Any] = set()
+        self._threads, self._counted = 0, -COUNT_AGAIN
+
+    def threads(self) -> int:
+        """Return the number of threads of all workers; there may be none yet."""
+        now = time.monotonic()
+        if now - self._counted > COUNT_AGAIN:
+            self._check()
+            self._threads = sum(self._client.nthreads().values())
+            self._counted = now
+        return self._threads
+
+    def submit(self, task: Task) -> None:
+        """Send it to the scheduler."""
+        self._check()
+        future = self._client.submit(_on_worker, task, pure=False)
+        self._futures.add(future)
+        future.add_done_callback(lambda done: self._finished.put((task, done)))
+
+    def next(self, timeout: float) -> tuple[Task, list[Outcome] | Died] | None:
+        """Wait for a task; nothing hangs when the scheduler is gone."""
+        try:
+            task, future = self._finished.get(timeout=timeout)
+        except queue.Empty:
+            self._check()
+            return None
+        self._futures.discard(future)
+        if future.status == "finished":
+            outcomes: list[Outcome] = future.result()
+            return task, outcomes
+        error = future.exception() if future.status == "error" else None
+        if isinstance(error, _distributed().KilledWorker):
+            return task, Died()
+        if error is not None:
+            raise error
+        raise self._lost()
+
+    def _check(self) -> None:
+        """Raise if the scheduler is gone."""
+        link = self._client.scheduler_comm
+        if self._client.status != "running" or link is None or link.comm.closed():
+            raise self._lost()
+
+    def _lost(self) -> FibermeltError:
+        return FibermeltError(
+            f"the scheduler {self._where} is gone: finished cases are kept; go on with fibermelt "
+            "resume DIR, with --scheduler where there is another one"
+        )
+
+
+def _on_worker(task: Task) -> list[Outcome]:
+    """Do a task on a worker of dask.
+
+    Inside one, xarray would ask the scheduler for a lock on every file, also those in memory.
+    """
+    import dask  # noqa: PLC0415  lazy: see the module
+
+    with dask.config.set(scheduler="synchronous"):
+        return fulfil(task)
+
+
+def _distributed() -> Any:
+    """Return dask.distributed, of whose functions some have types and some have not."""
+    return import_module("distributed")
+
+
+@contextmanager
+def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Iterator[Pool]:
+    """Yield who does the tasks of a sweep.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Workers of a cluster on this machine, a process with one thread each: as many as there
+        are cores by default. 0 is this process itself.
+    scheduler : str, optional
+        Address of a scheduler (``"tcp://host:port"``) or path of its file, whose workers are
+        used; each should have one thread.
+    folder : Path
+        The results folder, from which no scheduler is ever taken.
+
+    Raises
+    ------
+    ConfigError
+        If both are given, or what is given cannot be.
+    FibermeltError
+        If the scheduler does not answer.
+    """
+    if workers is not None and scheduler is not None:
+        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
+        raise ConfigError(msg)
+    if workers is not None and workers < 0:
+        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
+        raise ConfigError(msg)
+    if workers == 0:
+        forget()
+        yield _Here()
+        forget()
+        return
+    try:
+        import dask  # noqa: PLC0415  lazy: see the module
+
+        _distributed()
+    except ImportError:
+        msg = (
+            'a cluster needs dask.distributed: pip install "dask[distributed]", or take --workers 0'
+        )
+        raise ConfigError(msg) from None
+    with ExitStack() as stack:
+        # What dask has to say of a worker that died or a scheduler that left is told by the sweep.
+        logger = logging.getLogger("distributed")
+        stack.callback(logger.setLevel, logger.level)
+        logger.setLevel(logging.CRITICAL)
+        settings = {
+            "distributed.scheduler.allowed-failures": DEATHS,
+            "distributed.comm.timeouts.connect": f"{CONNECT:g}s",
+        }
+        stack.enter_context(dask.config.set(settings))
+        if scheduler is None:
+            yield stack.enter_context(_local(workers))
+        else:
+            yield stack.enter_context(_remote(scheduler, folder))
+
+
+@contextmanager
+def _local(workers: int | None) -> Iterator[_Cluster]:
+    """Yield a cluster on this machine, which goes with this process however that ends."""
+    from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
+
+    dd = _distributed()
+    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch:
+        cluster = dd.LocalCluster(
+            n_workers=workers or CPU_COUNT,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            local_directory=scratch,
+            silence_logs=logging.CRITICAL,
+            env=single_threaded(),
+        )
+        with cluster, dd.Client(cluster, set_as_default=False) as client:
+            yield _Cluster(client, "of this machine")
+
+
+@contextmanager
+def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
+    """Yield the workers of a scheduler that is there already."""
+    where: dict[str, Any] = {"address": scheduler}
+    if "://" not in scheduler:
+        path = Path(scheduler)
+        if not path.is_file():
+            msg = (
+                f"--scheduler {scheduler}: neither an address such as tcp://host:8786 nor a "
+                "scheduler file"
+            )
+            raise ConfigError(msg)
+        if path.resolve().is_relative_to(folder.resolve()):
+            msg = (
+                f"--scheduler {scheduler}: lies in the results folder, whose content is never "
+                "taken for the address of a scheduler: keep it elsewhere"
+            )
+            raise ConfigError(msg)
+        where = {"scheduler_file": str(path)}
+    try:
+        client = _distributed().Client(**where, timeout=CONNECT, set_as_default=False)
+    except (OSError, TimeoutError, ValueError, ImportError) as error:
+        msg = (
+            f"--scheduler {scheduler}: does not answer ({str(error) or type(error).__name__}): "
+            "start one with dask scheduler, or drop --scheduler"
+        )
+        raise FibermeltError(msg) from error
+    try:
+        yield _Cluster(client, scheduler)
+    finally:
+        # A scheduler that is gone cannot be told that we leave.
+        with suppress(Exception):
+            client.close(timeout=2)

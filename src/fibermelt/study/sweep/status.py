@@ -1,0 +1,227 @@
+"""What a sweep comes to before it runs, how far it is, and what nobody needs any more."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.errors import ConfigError, StoreError
+from fibermelt.study.files import partial, remove, storage_errors
+from fibermelt.study.loading import load_study
+from fibermelt.study.parameters import flatten
+from fibermelt.study.stages import keys
+from fibermelt.study.sweep.plan import Plan, plan_sweep
+from fibermelt.study.sweep.record import read_asked
+from fibermelt.study.sweep.store import CaseStore, stage_folder
+
+if TYPE_CHECKING:
+    from fibermelt.study.loading import Study
+    from fibermelt.study.parts import Chain
+    from fibermelt.study.sweep.design import Sweep
+
+__all__ = ["list_plan", "list_unneeded", "remove_unneeded", "sweep_status"]
+
+
+def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict[str, Any]:
+    """Return what a sweep comes to, and what of it a results folder has already.
+
+    Parameters
+    ----------
+    sweep, study, chain : Sweep, Study, Chain
+        The sweep, the study that holds it, and the stages that there are.
+    directory : Path
+        The results folder; it need not be there.
+
+    Returns
+    -------
+    dict
+        ``"cases"``, ``"done"``, ``"failed"``, ``"pending"``: numbers of cases; ``"shape"``;
+        ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
+        them are ``"kept"`` in the folder, and ``"stored"`` there by now, how many start ``"warm"``
+        from a neighbour's or are ``"scaled"`` from it, and ``"levels"``: how many must come one
+        after the other; ``"each"``: every case with its ``"point"``, its ``"stages"`` and its
+        ``"status"``.
+    """
+    plan = plan_sweep(sweep, study, chain)
+    cases = CaseStore(directory)
+    done, failures = cases.refresh(), cases.failures()
+    each = []
+    for case in plan.cases:
+        failed = any(key in failures for key in case.keys.values())
+        each.append(
+            {
+                "case": case.index + 1,
+                "id": case.id,
+                "point": dict(case.point),
+                "stages": {name: key[:12] for name, key in case.keys.items()},
+                "status": "done" if case.result in done else "failed" if failed else "pending",
+            }
+        )
+    counts = Counter(case["status"] for case in each)
+    kept = Counter(job.stage for job in plan.jobs.values())
+    stored = Counter(
+        job.stage
+        for job in plan.jobs.values()
+        if stage_folder(directory, job.stage, job.key).is_dir()
+    )
+    return {
+        "cases": len(each),
+        **{name: counts[name] for name in ("done", "failed", "pending")},
+        "shape": list(sweep.shape),
+        "stages": {
+            name: {
+                "results": count,
+                "kept": kept[name],
+                "stored": stored[name],
+                **_warm(plan, name),
+            }
+            for name, count in plan.shared().items()
+        },
+        "each": each,
+    }
+
+
+def _warm(plan: Plan, stage: str) -> dict[str, int]:
+    """Return how many results of a stage start from another one, if any do."""
+    jobs = [job for job in plan.jobs.values() if job.stage == stage]
+    if not any(job.neighbour for job in jobs):
+        return {}
+    scaled = sum(job.is_scaled for job in jobs)
+    return {
+        "warm": sum(bool(job.neighbour) for job in jobs) - scaled,
+        "scaled": scaled,
+        "levels": 1 + max(plan.level(job.key) for job in jobs),
+    }
+
+
+def sweep_status(directory: Path) -> dict[str, Any]:
+    """Return how far the sweep of a results folder is.
+
+    Returns
+    -------
+    dict
+        ``"cases"``; ``"done"``, ``"failed"``, ``"pending"`` of them; ``"reused_stages"`` and
+        ``"wall_s"`` of the last run into the folder; ``"reasons"``: how many cases each reason
+        cost; ``"failures"``: the stages without an answer, with their parameters; ``"damaged"``:
+        files that are not what was written.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds no sweep, or one that is damaged.
+    """
+    cases = CaseStore(directory)
+    asked = read_asked(cases)
+    finished, failures = cases.refresh(), cases.failures()
+    done, reasons, met = 0, Counter[str](), {}
+    for case in asked.cases:
+        if case.result in finished:
+            done += 1
+        elif failure := asked.failure(case, failures):
+            reasons[failure.reason] += 1
+            met[failure.key] = failure
+    failed = sum(reasons.values())
+    return {
+        "cases": len(asked.cases),
+        "done": done,
+        "failed": failed,
+        **cases.read_progress(),
+        "pending": len(asked.cases) - done - failed,
+        "reasons": dict(reasons.most_common()),
+        "failures": [
+            {
+                "stage": failure.stage,
+                "key": failure.key,
+                "kind": failure.kind,
+                "reason": failure.reason,
+                "parameters": dict(failure.parameters),
+            }
+            for failure in met.values()
+        ],
+        "damaged": [str(path) for path in cases.damaged],
+    }
+
+
+def list_unneeded(directory: Path, chain: Chain) -> list[Path]:
+    """Return what no case of the sweep and no run on show in a results folder needs.
+
+    Parameters
+    ----------
+    directory : Path
+        The results folder.
+    chain : Chain
+        The stages that there are.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds neither a sweep nor a run, or does not say what they need.
+    """
+    cases = CaseStore(directory)
+    is_swept, config = (directory / "sweep.json").exists(), directory / "config.toml"
+    if not is_swept and not config.exists():
+        msg = f"{directory}: holds neither a sweep nor a run: there is nothing to tell what goes"
+        raise StoreError(msg)
+    stages: set[Path] = set()
+    results: set[str] = set()
+    failing: set[str] = set()
+    if is_swept:
+        asked = read_asked(cases)
+        stages |= {stage_folder(directory, name, key) for name, key, kept in asked.stages if kept}
+        results = {case.result for case in asked.cases}
+        failing = {key for _, key, _ in asked.stages}
+    if config.exists():
+        stages |= _on_show(directory, chain)
+    cases.refresh()
+    unneeded = [
+        path
+        for path in sorted((directory / "stages").glob("*-*"))
+        if path.is_dir() and not path.name.startswith(".") and path not in stages
+    ]
+    unneeded += [
+        cases.folder / name
+        for name, found in cases.batch_results().items()
+        if not results.intersection(found)
+    ]
+    unneeded += cases.damaged
+    known = {stage_folder(directory, f.stage, f.key).name: f for f in cases.failures().values()}
+    for path in sorted(cases.folder.glob("failed-*.json")):
+        failure = known.get(path.stem.removeprefix("failed-"))
+        if failure is None or failure.key not in failing:
+            unneeded.append(path)
+    return unneeded
+
+
+def remove_unneeded(paths: list[Path]) -> None:
+    """Remove what `list_unneeded` found.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be removed.
+    """
+    for path in paths:
+        with storage_errors(path):
+            # Renamed first: half of a stage is never found under its name.
+            temporary = partial(path.parent)
+            try:
+                path.rename(temporary)
+            except FileNotFoundError:
+                continue
+            remove(temporary)
+
+
+def _on_show(directory: Path, chain: Chain) -> set[Path]:
+    """Return the stages of the run whose results lie on show."""
+    try:
+        config = load_study(str(directory / "config.toml")).config
+    except ConfigError as error:
+        msg = (
+            f"{directory / 'config.toml'}: cannot be read, so that nothing tells what the run on "
+            f"show needs: {str(error).splitlines()[0]}"
+        )
+        raise StoreError(msg) from error
+    values = flatten(config)
+    found = keys(chain.needed(config.study.parts, values), values)
+    return {stage_folder(directory, name, key) for name, key in found.items()}

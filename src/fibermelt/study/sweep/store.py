@@ -1,0 +1,337 @@
+"""The part of a results folder that a sweep has besides the stages of `fibermelt.study.store`.
+
+::
+
+    DIR/sweep.json                        what was asked: the study, its cases, their keys
+    DIR/cases/batch-<digest>.npz          numbers of finished cases, some tens in a file
+    DIR/cases/failed-<stage>-<key>.json   a stage without an answer: why, and its parameters
+    DIR/cases/progress.json               how far the last run was
+    DIR/cases/locks/                      who computes what at this moment
+
+Every file is written under another name and renamed, so it is there whole or not at all, and
+carries its digest, in its name or inside. Arrays are of numbers and texts, all else is
+JSON: no pickle is read, nothing that is read is run.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from fibermelt.errors import StoreError
+from fibermelt.study.files import (
+    canonical,
+    digest,
+    read_sealed,
+    remove_leftovers,
+    replace_file,
+    storage_errors,
+)
+from fibermelt.study.schema import SCHEMA
+from fibermelt.study.store import KEY_LENGTH, Store
+from fibermelt.study.sweep.collection import Batch
+
+__all__ = ["CaseStore", "Failure", "claimed", "open_case_store", "stage_folder"]
+
+
+NO_BATCH = (ValueError, KeyError, EOFError, zipfile.BadZipFile)
+"""What reading a file raises that no sweep wrote, whatever its name: objects in it, for one."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a stage has no answer.
+
+    Parameters
+    ----------
+    stage, key : str
+        The stage, and its key.
+    kind : str
+        Type of the error.
+    reason : str
+        What it says.
+    parameters : dict
+        What the stage was given, resolved, in SI.
+    lasting : bool
+        Whether it would fail again: a solve without an answer does, a worker that was killed or a
+        mistake in the code need not.
+    """
+
+    stage: str
+    key: str
+    kind: str
+    reason: str
+    parameters: Mapping[str, Any]
+    lasting: bool
+
+
+@contextmanager
+def claimed(path: Path, *, wait: bool) -> Iterator[bool]:
+    """Hold a lock that goes when its process goes, and yield whether it is ours.
+
+    Where there is no such lock (Windows, some network drives) it is always ours: clients that
+    share a folder there may compute the same twice, to the same result.
+
+    Parameters
+    ----------
+    path : Path
+        A file of its own, removed at the end.
+    wait : bool
+        Whether to wait for who has it.
+    """
+    try:
+        import fcntl  # noqa: PLC0415  there is none on Windows
+    except ImportError:
+        yield True
+        return
+    while True:
+        # Held to the end of the block below: no context manager spans the retries.
+        stream = path.open("ab")
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            stream.close()
+            yield False
+            return
+        except OSError:
+            break  # no locks on this file system
+        if _still_there(path, stream):
+            break
+        stream.close()
+    try:
+        yield True
+    finally:
+        path.unlink(missing_ok=True)
+        stream.close()
+
+
+def _still_there(path: Path, stream: io.BufferedWriter) -> bool:
+    """Tell whether a file that was opened is the one that has its name now."""
+    import os  # noqa: PLC0415  only here
+
+    try:
+        return os.fstat(stream.fileno()).st_ino == path.stat().st_ino
+    except FileNotFoundError:
+        return False
+
+
+class CaseStore:
+    """What a results folder holds of a sweep; nothing is written until a method that writes.
+
+    Parameters
+    ----------
+    directory : Path
+        The results folder.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.folder = directory / "cases"
+        self.locks = self.folder / "locks"
+        self.damaged: list[Path] = []
+        self._results: dict[str, tuple[str, ...]] = {}
+
+    # What was asked.
+
+    def write_sweep(self, content: Mapping[str, Any]) -> None:
+        """Write what was asked, unless it is there already."""
+        path = self.directory / "sweep.json"
+        body = canonical({"schema": SCHEMA, **content})
+        data = b'{"content":' + body + b',"sha256":"' + digest(body).encode() + b'"}'
+        with storage_errors(path):
+            if path.exists() and path.read_bytes() == data:
+                return
+        replace_file(path, data)
+
+    def read_sweep(self) -> dict[str, Any]:
+        """Return what was asked.
+
+        Raises
+        ------
+        StoreError
+            If no sweep was, or the file is damaged or of another schema.
+        """
+        path = self.directory / "sweep.json"
+        if not path.exists():
+            msg = f"{self.directory}: holds no sweep: use fibermelt sweep STUDY --out DIR"
+            raise StoreError(msg)
+        try:
+            content = read_sealed(path)
+        except ValueError as error:
+            msg = (
+                f"{path}: is damaged, or was changed since it was written; run fibermelt sweep "
+                "STUDY --out DIR again to write it anew: finished cases are kept"
+            )
+            raise StoreError(msg) from error
+        if content.get("schema") != SCHEMA:
+            msg = f"{path}: has schema {content.get('schema')}, this fibermelt reads {SCHEMA}"
+            raise StoreError(msg)
+        return content
+
+    # Finished cases.
+
+    def refresh(self) -> set[str]:
+        """Return the keys of all finished cases; only files that are new are read.
+
+        Files that are damaged are named in ``damaged``, and their cases count as not finished.
+        """
+        found: dict[str, tuple[str, ...]] = {}
+        self.damaged = []
+        with storage_errors(self.folder):
+            names = sorted(path.name for path in self.folder.glob("batch-*.npz"))
+        for name in names:
+            if name in self._results:
+                found[name] = self._results[name]
+                continue
+            try:
+                found[name] = Batch.keys_in(self._whole(name))
+            except FileNotFoundError:
+                continue
+            except (StoreError, *NO_BATCH):
+                self.damaged.append(self.folder / name)
+        self._results = found
+        return {key for keys in found.values() for key in keys}
+
+    def batches(self) -> Iterator[Batch]:
+        """Yield the content of every whole file of finished cases, in order."""
+        self.refresh()
+        for name in self._results:
+            try:
+                yield Batch.from_bytes(self._whole(name))
+            except NO_BATCH as error:
+                msg = f"{self.folder / name}: no sweep wrote this: remove it and resume"
+                raise StoreError(msg) from error
+
+    def batch_results(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the keys of the cases in every file that `refresh` found, by its name."""
+        return self._results
+
+    def write_batch(self, batch: Batch) -> None:
+        """Write some finished cases.
+
+        Raises
+        ------
+        StoreError
+            If that cannot be; nothing of it is left then.
+        """
+        data = batch.to_bytes()
+        replace_file(self.folder / f"batch-{digest(data)[:KEY_LENGTH]}.npz", data)
+
+    def discard_damaged(self) -> list[Path]:
+        """Remove the damaged files that `refresh` found, and return what they were."""
+        gone, self.damaged = self.damaged, []
+        for path in gone:
+            with storage_errors(path):
+                path.unlink(missing_ok=True)
+        return gone
+
+    def _whole(self, name: str) -> bytes:
+        """Return the bytes of a file that are those which its name tells."""
+        data = (self.folder / name).read_bytes()
+        if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".npz"):
+            raise _damaged(self.folder / name)
+        return data
+
+    # What has no answer.
+
+    def write_failure(self, failure: Failure) -> None:
+        """Write why a stage has no answer."""
+        data = canonical(asdict(failure))
+        body = json.dumps(
+            {"content": asdict(failure), "sha256": digest(data)}, indent=1, allow_nan=False
+        )
+        replace_file(self._failure_path(failure.stage, failure.key), body.encode())
+
+    def failures(self) -> dict[str, Failure]:
+        """Return all stages that have no answer by their keys; a damaged file counts as none."""
+        read = map(_failure, sorted(self.folder.glob("failed-*.json")))
+        return {failure.key: failure for failure in read if failure is not None}
+
+    def failure(self, stage: str, key: str) -> Failure | None:
+        """Return why a stage has no answer, or None if nothing is known against it."""
+        path = self._failure_path(stage, key)
+        return _failure(path) if path.exists() else None
+
+    def forget_failures(self, *, lasting: bool) -> None:
+        """Remove the failures that may have been an accident, and with ``lasting`` all."""
+        known = {self._failure_path(f.stage, f.key) for f in self.failures().values() if f.lasting}
+        for path in self.folder.glob("failed-*.json"):
+            if lasting or path not in known:
+                with storage_errors(path):
+                    path.unlink(missing_ok=True)
+
+    def _failure_path(self, stage: str, key: str) -> Path:
+        return self.folder / f"failed-{stage}-{key[:KEY_LENGTH]}.json"
+
+    # How far.
+
+    def write_progress(self, *, wall: float, reused: int) -> None:
+        """Write how long the last run took so far [s], and how many stages it found."""
+        content = {"wall_s": wall, "reused_stages": reused}
+        data = {"content": content, "sha256": digest(canonical(content))}
+        replace_file(self.folder / "progress.json", json.dumps(data).encode())
+
+    def read_progress(self) -> dict[str, Any]:
+        """Return what `write_progress` wrote, or nothing if it is not there or damaged."""
+        try:
+            return read_sealed(self.folder / "progress.json")
+        except (ValueError, StoreError):
+            return {"wall_s": 0.0, "reused_stages": 0}
+
+    def lock(self, name: str) -> Path:
+        """Return the file whose lock stands for a stage or a case."""
+        return self.locks / f"{name[:KEY_LENGTH]}.lock"
+
+
+def stage_folder(directory: Path, stage: str, key: str) -> Path:
+    """Return where a results folder has a kept stage; it is there or not."""
+    return directory / "stages" / f"{stage}-{key[:KEY_LENGTH]}"
+
+
+def open_case_store(directory: Path) -> CaseStore:
+    """Return what a sweep has of a folder, made if need be, that is known to be writable.
+
+    Raises
+    ------
+    StoreError
+        If the folder is of another schema, holds files that fibermelt did not write, or cannot
+        be written.
+    """
+    cases = CaseStore(directory)
+    if not (directory / "stages" / "store.json").exists():
+        for path in (directory / "sweep.json", cases.folder):
+            if path.exists():
+                msg = (
+                    f"{directory}: holds {path.name}, which no run of fibermelt keeps track of; "
+                    "it is not overwritten: choose another folder with --out, or move it away"
+                )
+                raise StoreError(msg)
+    store = Store.open(directory)
+    try:
+        with storage_errors(cases.folder):
+            cases.locks.mkdir(parents=True, exist_ok=True)
+            remove_leftovers(cases.folder)
+    except StoreError:
+        store.discard_if_empty()
+        raise
+    return cases
+
+
+def _failure(path: Path) -> Failure | None:
+    try:
+        return Failure(**read_sealed(path))
+    except (ValueError, TypeError, StoreError):
+        return None
+
+
+def _damaged(path: Path) -> StoreError:
+    return StoreError(
+        f"{path}: is damaged, or was changed since it was written; fibermelt resume DIR computes "
+        "its cases anew"
+    )

@@ -1,0 +1,1 @@
+"""The ladder of checks as a part of a study."""
