@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.study.files import canonical, digest
@@ -159,18 +160,22 @@ def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:
     KeyError
         If it declares a key or a table that no study has.
     """
-    part: dict[str, Value] = {}
-    for declared in stage.parameters:
-        found = {
-            key: value
-            for key, value in values.items()
-            if key == declared or key.startswith(f"{declared}.")
-        }
+    return Parameters(
+        {key: values[key] for key in _read_by(stage.name, stage.parameters, tuple(values))}
+    )
+
+
+@lru_cache(maxsize=256)
+def _read_by(stage: str, parameters: tuple[str, ...], known: tuple[str, ...]) -> tuple[str, ...]:
+    """Return which of the keys of a study a stage reads: the same for every case of a sweep."""
+    read: list[str] = []
+    for declared in parameters:
+        found = [key for key in known if key == declared or key.startswith(f"{declared}.")]
         if not found:
-            msg = f"stage {stage.name} declares {declared}, which no study has"
+            msg = f"stage {stage} declares {declared}, which no study has"
             raise KeyError(msg)
-        part.update(found)
-    return Parameters(part)
+        read.extend(found)
+    return tuple(read)
 
 
 def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]:

@@ -18,19 +18,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
 from fibermelt.study.files import canonical, digest
-from fibermelt.study.loading import merged, resolve
+from fibermelt.study.loading import resolve
 from fibermelt.study.messages import unknown_key
 from fibermelt.study.parameters import Declaration, Value, declarations, excerpt, flatten
 from fibermelt.units import parse
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
+    from fibermelt.study.parameters import Section
 
 __all__ = ["MOST_CASES", "SAMPLED", "SETTINGS", "Axis", "Case", "Sweep", "read_sweep"]
 
@@ -222,17 +226,26 @@ class Sweep:
             return qmc.LatinHypercube(d=len(self.axes), rng=self.seed).random(self.samples)
         return qmc.Sobol(d=len(self.axes), rng=self.seed).random(self.samples)
 
+    @cached_property
+    def _sections(self) -> dict[str, Section]:
+        """Return the sections of the study itself: where nothing varies, none is checked again."""
+        config = resolve(self.tables)
+        return {name: getattr(config, name) for name in type(config).model_fields}
+
     def _case(self, index: int, set_: Mapping[str, Any]) -> Case:
-        tables: dict[str, Any] = dict(self.tables)
+        written: dict[str, dict[str, Any]] = {}
         for key, value in set_.items():
             section, _, name = key.partition(".")
-            tables = merged(tables, {section: {name: value}})
+            written.setdefault(section, dict(self.tables.get(section, {})))[name] = value
         try:
-            config = resolve(tables)
-        except ConfigError as error:
-            what = ", ".join(f"{key} = {excerpt(value)}" for key, value in set_.items())
-            msg = f"case {index + 1} of the sweep ({what}): {error}"
-            raise ConfigError(msg) from None
+            config = Config.model_validate({**self._sections, **written})
+        except ValidationError:
+            try:
+                config = resolve({**self.tables, **written})
+            except ConfigError as error:
+                what = ", ".join(f"{key} = {excerpt(value)}" for key, value in set_.items())
+                msg = f"case {index + 1} of the sweep ({what}): {error}"
+                raise ConfigError(msg) from None
         values = flatten(config)
         keys = [key for axis in self.axes for key in axis.keys]
         return Case(index, {key: values[key] for key in keys}, config)
