@@ -20,6 +20,7 @@ from fibermelt.cli.common import (
     told,
 )
 from fibermelt.errors import ConfigError, legible
+from fibermelt.study.progress import Silent
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
@@ -57,14 +58,11 @@ ColdOption = Annotated[
 ]
 
 
-class _Notes:
+class _Notes(Silent):
     """Prints nothing; keeps what was mended in the folder, which must not go unsaid."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-
-    def step(self, stage: str, line: str) -> None:
-        """Ignore it."""
 
     def done(self, stage: str, line: str) -> None:
         """Keep what concerns the folder."""
