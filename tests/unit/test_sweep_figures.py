@@ -7,9 +7,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.report.sweep.figures import effect, sweep_plates
+from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
+from fibermelt.study.sweep.effects import effect
 from fibermelt.study.sweep.indices import quantiles, sobol_indices
 from fibermelt.study.sweep.responses import responses_of
 from fibermelt.study.sweep.table import sweep_table

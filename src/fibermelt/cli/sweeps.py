@@ -164,10 +164,13 @@ def _go(
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.study.sweep.answer import answer_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.collect import collect_sweep  # noqa: PLC0415
 
-        path = write_sweep_report(folder)
+        collected = collect_sweep(folder)
+        path = write_sweep_report(folder, collected)
         if not as_json:
-            say(f"report          {_shown(path)}")
+            say("\n".join([f"report          {_shown(path)}", *answer_sweep(collected)]))
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:

@@ -15,7 +15,11 @@ from fibermelt.study.sweep.indices import LEVELS, quantiles
 from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import xarray as xr
+
+    from fibermelt.study.sweep.responses import Response
 
 __all__ = ["cases_told", "responses_told", "varied_told"]
 
@@ -150,7 +154,7 @@ def responses_told(found: SweepTable) -> Markup:
         )
         for one in there
     ]
-    whole = table(caption, columns, rows)
+    whole = table(caption, columns, rows) + _meanings(there)
     if len(found.status) > MOST_CASES:
         return whole + Markup(
             "<p>The numbers of each case: fibermelt collect writes them into sweep.nc.</p>\n"
@@ -168,3 +172,17 @@ def responses_told(found: SweepTable) -> Markup:
     ]
     each = table("Responses of each case", columns, rows)
     return whole + Markup("<details><summary>Case by case</summary>\n{}</details>\n").format(each)
+
+
+def _meanings(responses: Sequence[Response]) -> Markup:
+    """Return what those responses are whose titles do not say it."""
+    told = [
+        Markup("<dt>{}</dt><dd>{}</dd>\n").format(one.title, one.meaning)
+        for one in responses
+        if one.meaning
+    ]
+    if not told:
+        return Markup()
+    return Markup("<details><summary>What they are</summary>\n<dl>\n{}</dl></details>\n").format(
+        Markup().join(told)
+    )
