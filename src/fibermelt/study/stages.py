@@ -127,8 +127,9 @@ class Stage:
     compute_from : callable, optional
         Does it from the result of a neighbour, to the same answer within its stated error: in a
         sweep, where neighbours abound. It is no part of the stage's key.
-    scaled : tuple of str
-        Keys or tables to whose values ``compute_from`` brings a neighbour's result by scaling.
+    but_for_scale : callable, optional
+        From its parameters to what decides its result but for a scale: to neighbours that agree
+        in it ``compute_from`` brings a result by scaling. All parameters by default.
     """
 
     name: str
@@ -140,7 +141,7 @@ class Stage:
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
     compute_from: ComputeFrom | None = None
-    scaled: tuple[str, ...] = ()
+    but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
 
     @property
     def heading(self) -> str:
