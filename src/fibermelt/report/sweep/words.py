@@ -9,9 +9,14 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.report.account import account
+from fibermelt.report.sweep.weighing import weighing_told
 from fibermelt.report.tables import Column, number, table
+from fibermelt.study.config import Config
+from fibermelt.study.parameters import declarations
+from fibermelt.study.sweep.axes import DISTRIBUTIONS, read_axis
 from fibermelt.study.sweep.design import SETTINGS
-from fibermelt.study.sweep.indices import LEVELS, quantiles
+from fibermelt.study.sweep.distributions import Truncated
+from fibermelt.study.sweep.quantiles import LEVELS, quantiles
 from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
 
 if TYPE_CHECKING:
@@ -81,7 +86,7 @@ def _drawn(asked: dict[str, Any]) -> str:
 def _values(axis: Varied, entry: object) -> str:
     """Return the values of a parameter, or what they are samples of, as the study has it."""
     if isinstance(entry, dict) and "count" not in entry:
-        return ", ".join(f"{name} {value}" for name, value in entry.items())
+        return _sampled_told(axis, entry)
     if len(axis.keys) > 1 and isinstance(entry, list):
         texts = [" with ".join(map(str, together)) for together in entry]
     else:
@@ -89,6 +94,24 @@ def _values(axis: Varied, entry: object) -> str:
     if len(texts) <= LONGEST_LIST:
         return ", ".join(texts).replace("-", "−") if not axis.labels else ", ".join(texts)
     return f"{texts[0]} to {texts[-1]}, {len(texts)} values"
+
+
+def _sampled_told(axis: Varied, entry: dict[str, Any]) -> str:
+    """Return a distribution as the study has it, and what is left of one that is cut off."""
+    given = {name: value for name, value in entry.items() if name != "between"}
+    if "edges" in given:
+        edges, counts = given["edges"], given["counts"]
+        told = f"measured, {len(counts)} bins from {edges[0]} to {edges[-1]}"
+    else:
+        kind = DISTRIBUTIONS.get(frozenset(given), "")
+        told = f"{kind}, " + ", ".join(f"{name} {value}" for name, value in given.items())
+    if "between" not in entry:
+        return told
+    low, high = entry["between"]
+    known = {declaration.key: declaration for declaration in declarations(Config)}
+    cut = read_axis(axis.keys[0], entry, known).distribution
+    left = f" ({100 * cut.kept:.3g} % of it)" if isinstance(cut, Truncated) else ""
+    return f"{told}, between {low} and {high}{left}"
 
 
 def cases_told(found: SweepTable) -> Markup:
@@ -135,26 +158,10 @@ def responses_told(found: SweepTable) -> Markup:
     there = [one for one in found.responses if np.isfinite(one.values).any()]
     if not there:
         return Markup()
-    levels: tuple[float, ...] = LEVELS if found.is_sampled else (0.0, 1.0)
-    heads = ("5 %", "median", "95 %") if found.is_sampled else ("lowest", "highest")
-    what = "Quantiles" if found.is_sampled else "Range"
-    caption = f"{what} of the responses over the cases"
-    columns = (
-        Column("Response", is_text=True),
-        Column("Unit", is_text=True),
-        *(Column(head) for head in heads),
-        Column("Cases"),
-    )
-    rows = [
-        (
-            one.title,
-            one.unit or "–",
-            *(number(float(value)) for value in quantiles(one.values, levels)),
-            str(np.count_nonzero(np.isfinite(one.values))),
-        )
-        for one in there
-    ]
-    whole = table(caption, columns, rows) + _meanings(there)
+    whole = _spread_told(found, there)
+    if found.weighing is not None:
+        whole += _spread_told(found, there, found.weighing)
+    whole += _meanings(there)
     if len(found.status) > MOST_CASES:
         return whole + Markup(
             "<p>The numbers of each case: fibermelt collect writes them into sweep.nc.</p>\n"
@@ -186,3 +193,33 @@ def _meanings(responses: Sequence[Response]) -> Markup:
     return Markup("<details><summary>What they are</summary>\n<dl>\n{}</dl></details>\n").format(
         Markup().join(told)
     )
+
+
+def _spread_told(
+    found: SweepTable, there: Sequence[Response], weighing: Varied | None = None
+) -> Markup:
+    """Return the range or the quantiles of the responses, of samples also with cases weighed."""
+    levels: tuple[float, ...] = LEVELS if found.is_sampled else (0.0, 1.0)
+    heads = ("5 %", "median", "95 %") if found.is_sampled else ("lowest", "highest")
+    caption = f"{'Quantiles' if found.is_sampled else 'Range'} of the responses over the cases"
+    if weighing is not None:
+        caption = f"{caption}, {weighing_told(weighing)}"
+    elif found.weighing is not None:
+        caption += ", each counted once: by number"
+    columns = (
+        Column("Response", is_text=True),
+        Column("Unit", is_text=True),
+        *(Column(head) for head in heads),
+        Column("Cases"),
+    )
+    weights = None if weighing is None else weighing.values
+    rows = [
+        (
+            one.title,
+            one.unit or "–",
+            *(number(float(value)) for value in quantiles(one.values, levels, weights)),
+            str(np.count_nonzero(np.isfinite(one.values))),
+        )
+        for one in there
+    ]
+    return table(caption, columns, rows)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.sweep.effects import effect
-from fibermelt.study.sweep.indices import quantiles, sobol_indices
+from fibermelt.study.sweep.indices import sobol_indices
+from fibermelt.study.sweep.quantiles import quantiles
 from fibermelt.study.sweep.table import SweepTable, sweep_table
 from fibermelt.study.sweep.window import drying_advice
 
