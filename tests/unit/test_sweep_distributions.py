@@ -13,6 +13,7 @@ from scipy import stats
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.loading import load_study
+from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.distributions import (
     Histogram,
@@ -155,6 +156,24 @@ def test_a_sample_beyond_a_bound_says_how_to_cut_the_distribution_off(tmp_path):
         swept(tmp_path, f'"fiber.aspect_ratio" = {wide} }}').cases()
     cases = swept(tmp_path, f'"fiber.aspect_ratio" = {wide}, between = [1, 50] }}').cases()
     assert len(cases) == 64
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ({"scale": 7, "shape": 2}, "Weibull, scale 7, shape 2"),
+        # exp(-1/49) lies above 1, next to nothing above 50.
+        (
+            {"scale": 7, "shape": 2, "between": [1, 50]},
+            "Weibull, scale 7, shape 2, between 1 and 50 (98 % of it)",
+        ),
+        ({"edges": [2, 4, 10], "counts": [3, 1]}, "measured, 2 bins from 2 to 10"),
+        ({"from": 2, "to": 4, "count": 3}, ""),
+        ([2, 4], ""),
+    ],
+)
+def test_a_distribution_is_told_as_the_study_has_it(entry, told):
+    assert distribution_told("fiber.aspect_ratio", entry) == told
 
 
 AXIS = '"fiber.aspect_ratio" = {{ {} }}'

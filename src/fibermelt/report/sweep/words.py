@@ -11,11 +11,8 @@ from markupsafe import Markup
 from fibermelt.report.account import account
 from fibermelt.report.sweep.weighing import weighing_told
 from fibermelt.report.tables import Column, number, table
-from fibermelt.study.config import Config
-from fibermelt.study.parameters import declarations
-from fibermelt.study.sweep.axes import DISTRIBUTIONS, read_axis
+from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.design import SETTINGS
-from fibermelt.study.sweep.distributions import Truncated
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles
 from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
 
@@ -85,8 +82,8 @@ def _drawn(asked: dict[str, Any]) -> str:
 
 def _values(axis: Varied, entry: object) -> str:
     """Return the values of a parameter, or what they are samples of, as the study has it."""
-    if isinstance(entry, dict) and "count" not in entry:
-        return _sampled_told(axis, entry)
+    if told := distribution_told(axis.keys[0], entry):
+        return told
     if len(axis.keys) > 1 and isinstance(entry, list):
         texts = [" with ".join(map(str, together)) for together in entry]
     else:
@@ -94,24 +91,6 @@ def _values(axis: Varied, entry: object) -> str:
     if len(texts) <= LONGEST_LIST:
         return ", ".join(texts).replace("-", "−") if not axis.labels else ", ".join(texts)
     return f"{texts[0]} to {texts[-1]}, {len(texts)} values"
-
-
-def _sampled_told(axis: Varied, entry: dict[str, Any]) -> str:
-    """Return a distribution as the study has it, and what is left of one that is cut off."""
-    given = {name: value for name, value in entry.items() if name != "between"}
-    if "edges" in given:
-        edges, counts = given["edges"], given["counts"]
-        told = f"measured, {len(counts)} bins from {edges[0]} to {edges[-1]}"
-    else:
-        kind = DISTRIBUTIONS.get(frozenset(given), "")
-        told = f"{kind}, " + ", ".join(f"{name} {value}" for name, value in given.items())
-    if "between" not in entry:
-        return told
-    low, high = entry["between"]
-    known = {declaration.key: declaration for declaration in declarations(Config)}
-    cut = read_axis(axis.keys[0], entry, known).distribution
-    left = f" ({100 * cut.kept:.3g} % of it)" if isinstance(cut, Truncated) else ""
-    return f"{told}, between {low} and {high}{left}"
 
 
 def cases_told(found: SweepTable) -> Markup:
