@@ -11,7 +11,9 @@ from swept_cases import about, made_up
 from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.population import figure_population, population_words
+from fibermelt.report.sweep.words import responses_told
 from fibermelt.study.sweep.quantiles import quantiles
+from fibermelt.study.sweep.table import sweep_table
 
 LINES, NEAR = 6, 1
 """Streamlines, and the one among them that passes a singular corner in one case."""
@@ -129,6 +131,9 @@ def test_the_page_tells_quantiles_by_number_and_weighed(tmp_path):
     assert "each counted once: by number" in words
     assert "each weighed by its aspect ratio (of fibers of one width, shares of the" in words
     assert "Medians with each case weighed by its aspect ratio: " in page
-    plain = render_sweep(population(tmp_path, TABLE)).decode()
-    assert "weighed" not in plain
-    assert "by number" not in plain
+
+
+def test_without_a_weight_every_quantile_is_by_number(tmp_path):
+    plain = sweep_table(population(tmp_path, TABLE))
+    assert plain.weighing is None
+    assert responses_told(plain).count("Quantiles of the responses over the cases<") == 1

@@ -138,6 +138,7 @@ def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> No
     axes.plot(place, middle, color=BLUE, linewidth=1.4, marker="o", markersize=2.0)
     axes.plot(place[~steady], bands[1][~steady], "D", color=BLUE, mfc="white", markersize=3.5)
     axes.set_xlim(place[0] - 0.7, place[-1] + 0.7)
+    axes.locator_params(axis="x", integer=True)
     axes.set_xlabel("streamline, from the left edge")
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)

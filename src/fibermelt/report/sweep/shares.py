@@ -103,6 +103,8 @@ def _distribution(axes: Axes, response: Response) -> None:
             textcoords="offset points",
             fontsize=6.5,
             va="center" if level == LEVELS[0] else "top",
+            # A curve that the number stands on must not be read as a part of it.
+            bbox={"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewidth": 0},
         )
     axes.set_ylim(0, 100)
     axes.set_yticks([5, 50, 95])
