@@ -12,6 +12,7 @@ from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.population import figure_population, population_words
 from fibermelt.report.sweep.words import responses_told
+from fibermelt.study.sweep.answer import answer_sweep
 from fibermelt.study.sweep.quantiles import quantiles
 from fibermelt.study.sweep.table import sweep_table
 
@@ -137,3 +138,15 @@ def test_without_a_weight_every_quantile_is_by_number(tmp_path):
     plain = sweep_table(population(tmp_path, TABLE))
     assert plain.weighing is None
     assert responses_told(plain).count("Quantiles of the responses over the cases<") == 1
+
+
+def test_the_answer_tells_both_medians_and_no_share_of_one_parameter(tmp_path):
+    # 64 cases are enough for an index: of one parameter it would only say 1.
+    collected = population(tmp_path, WEIGHED.replace("samples = 32", "samples = 64"))
+    ratio = collected[RATIO].to_numpy()
+    pressure = 1e-6 * lowest(ratio, LINES - 1, 2)
+    number, length = (quantiles(pressure, (0.5,), weights)[0] for weights in (None, ratio))
+    told = " ".join(answer_sweep(collected)).replace("−", "-")
+    assert f"Half of the cases lie below {number:.3g} MPa, nine tenths between" in told
+    assert f"; weighed by aspect ratio, half lies below {length:.3g} MPa." in told
+    assert "Sobol index" not in told

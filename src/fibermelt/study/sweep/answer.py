@@ -100,7 +100,11 @@ def _spread(table: SweepTable, lead: Response) -> str:
 
     low, middle, high = (_number(lead, float(value)) for value in quantiles(lead.values))
     told = f"Half of the cases lie below {middle}, nine tenths between {low} and {high}"
-    indices = sobol_indices(table, lead)
+    if table.weighing is not None:
+        weighed = float(quantiles(lead.values, (0.5,), table.weighing.values)[0])
+        told += f"; weighed by {table.weighing.title}, half lies below {_number(lead, weighed)}"
+    # Of one parameter alone its share is all of the variance.
+    indices = sobol_indices(table, lead) if len(table.axes) > 1 else None
     if indices is None:
         return f"{told}."
     shares = indices.first if indices.total is None else indices.total
