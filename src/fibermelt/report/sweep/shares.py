@@ -55,6 +55,9 @@ NAMES, NARROW, APART = 40.0, 44.0, 49.0
 LINE = 6.0
 """Height of a parameter's line among the indices [mm]."""
 
+CLEAR: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewidth": 0}
+"""Ground of a number that a curve may run under; the lowest one stands on the axis."""
+
 STEPS = 512
 """Points of a distribution that are drawn: of more cases, every so many."""
 
@@ -103,8 +106,7 @@ def _distribution(axes: Axes, response: Response) -> None:
             textcoords="offset points",
             fontsize=6.5,
             va="center" if level == LEVELS[0] else "top",
-            # A curve that the number stands on must not be read as a part of it.
-            bbox={"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewidth": 0},
+            bbox=None if level == LEVELS[0] else CLEAR,
         )
     axes.set_ylim(0, 100)
     axes.set_yticks([5, 50, 95])
