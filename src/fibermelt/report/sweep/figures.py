@@ -19,6 +19,11 @@ from fibermelt.report.plates import Plate
 from fibermelt.report.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
 from fibermelt.report.style import styled as in_style
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
+from fibermelt.report.sweep.population import (
+    figure_population,
+    has_population,
+    population_words,
+)
 from fibermelt.report.sweep.shares import (
     all_indices,
     index_words,
@@ -197,6 +202,10 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     words: Callable[[xr.Dataset], Words]
     if _is_window(collected):
         found.append(Plate("window", "The process window", figure_window, window_words))
+    if has_population(collected, table):
+        found.append(
+            Plate("population", "Pressures over the bead", figure_population, population_words)
+        )
     if table.varying:
         for first in range(0, len(table.axes), ACROSS):
             draw = partial(sweep_effects, first=first)

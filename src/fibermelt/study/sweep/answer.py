@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.sweep.effects import effect
-from fibermelt.study.sweep.indices import quantiles, sobol_indices
+from fibermelt.study.sweep.indices import sobol_indices
+from fibermelt.study.sweep.quantiles import quantiles
 from fibermelt.study.sweep.table import SweepTable, sweep_table
 from fibermelt.study.sweep.window import drying_advice
 
@@ -99,7 +100,11 @@ def _spread(table: SweepTable, lead: Response) -> str:
 
     low, middle, high = (_number(lead, float(value)) for value in quantiles(lead.values))
     told = f"Half of the cases lie below {middle}, nine tenths between {low} and {high}"
-    indices = sobol_indices(table, lead)
+    if table.weighing is not None:
+        weighed = float(quantiles(lead.values, (0.5,), table.weighing.values)[0])
+        told += f"; weighed by {table.weighing.title}, half lies below {_number(lead, weighed)}"
+    # Of one parameter alone its share is all of the variance.
+    indices = sobol_indices(table, lead) if len(table.axes) > 1 else None
     if indices is None:
         return f"{told}."
     shares = indices.first if indices.total is None else indices.total
