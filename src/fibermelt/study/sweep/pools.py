@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import logging
 import queue
+import signal
 import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -26,6 +28,10 @@ CONNECT = 20.0
 
 COUNT_AGAIN = 5.0
 """Time [s] after which the workers are counted again: on a cluster they come and go."""
+
+ANY_PORT = "127.0.0.1:0"
+"""Where a scheduler of ours serves HTTP, which it insists on: else port 8787, with a complaint if
+another sweep has it."""
 
 DEATHS = 3
 """Workers that may die over a task before it is given up, as dask counts them."""
@@ -208,19 +214,46 @@ def _local(workers: int | None) -> Iterator[_Cluster]:
     from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
 
     dd = _distributed()
-    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch:
-        cluster = dd.LocalCluster(
-            n_workers=workers or CPU_COUNT,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address=None,
-            local_directory=scratch,
-            silence_logs=logging.CRITICAL,
-            env=single_threaded(),
-        )
-        with cluster, dd.Client(cluster, set_as_default=False) as client:
+    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch, ExitStack() as stack:
+        try:
+            with _without_interrupts():
+                cluster = dd.LocalCluster(
+                    n_workers=workers or CPU_COUNT,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address=None,
+                    scheduler_kwargs={"dashboard_address": ANY_PORT},
+                    local_directory=scratch,
+                    silence_logs=logging.CRITICAL,
+                    env=single_threaded(),
+                )
+                client = dd.Client(stack.enter_context(cluster), set_as_default=False)
+                stack.enter_context(client)
             yield _Cluster(client, "of this machine")
+        finally:
+            # Ctrl-C once more must not leave it half closed.
+            with _without_interrupts():
+                stack.close()
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Let Ctrl-C wait until the end, and never reach processes that are started inside.
+
+    A terminal sends SIGINT to all of them. Threads and processes inherit what is blocked, so
+    those of a cluster, also a worker that takes the place of a dead one, leave it to the client.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # there is none on Windows
+        yield
+        return
+    # Started by the first process that needs it, it would let SIGINT through again.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
