@@ -10,9 +10,10 @@ import typer
 
 from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
+from fibermelt.cli.plans import plan
 from fibermelt.cli.reports import report
 from fibermelt.cli.studies import defaults, run, validate
-from fibermelt.cli.sweeps import clean, collect, plan, resume, status, sweep
+from fibermelt.cli.sweeps import clean, collect, resume, status, sweep
 from fibermelt.cli.versions import options, version
 from fibermelt.cli.voids import voids
 

@@ -16,7 +16,7 @@ from fibermelt.study.parameters import Declaration, declarations
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.sweep.collection import Reduced
 from fibermelt.study.sweep.record import Asked, read_asked
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.study.sweep.store import CaseStore, damaged_batch
 from fibermelt.study.toml import resolved_toml
 
 if TYPE_CHECKING:
@@ -55,11 +55,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
     shape = asked.shape if asked.is_grid else (len(asked.cases),)
     found = _numbers(cases, [case.result for case in asked.cases])
     if cases.damaged:
-        msg = (
-            f"{cases.damaged[0]}: is damaged, or was changed since it was written; fibermelt "
-            "resume DIR computes its cases anew"
-        )
-        raise StoreError(msg)
+        raise damaged_batch(cases.damaged[0])
     found |= _status(cases, asked)
     variables: dict[str, Any] = {}
     for name, (dims, values, about) in sorted(found.items()):

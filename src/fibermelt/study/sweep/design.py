@@ -163,6 +163,11 @@ class Sweep:
         """Return the number of cases."""
         return math.prod(self.shape)
 
+    def told(self) -> str:
+        """Return what varies, in words: ``flow.bed_speed with flow.inlet_speed x flow.gap``."""
+        over = [" with ".join(axis.keys) for axis in self.axes]
+        return " x ".join(over) if self.design == "grid" else f"{', '.join(over)} ({self.design})"
+
     def settings(self) -> list[dict[str, Any]]:
         """Return what each case sets, by key, as written or in SI."""
         if self.design == "grid":

@@ -6,6 +6,7 @@ dask.distributed is imported when a cluster is wanted, and never for anything el
 from __future__ import annotations
 
 import logging
+import os
 import queue
 import signal
 import tempfile
@@ -21,7 +22,7 @@ from typing import Any, Protocol
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep.tasks import Outcome, Task, forget, fulfil, single_threaded
 
-__all__ = ["Died", "Pool", "open_pool"]
+__all__ = ["Died", "Pool", "cores", "open_pool"]
 
 CONNECT = 20.0
 """Time [s] in which a scheduler has to answer: it is there, or it is not."""
@@ -35,6 +36,15 @@ another sweep has it."""
 
 DEATHS = 3
 """Workers that may die over a task before it is given up, as dask counts them."""
+
+
+def cores() -> int:
+    """Return the cores of this machine that we may use: workers, unless told otherwise."""
+    try:
+        from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
+    except ImportError:
+        return os.cpu_count() or 1
+    return int(CPU_COUNT)
 
 
 class Died:
@@ -80,9 +90,9 @@ class _Here:
 class _Cluster:
     """Workers of dask.distributed."""
 
-    def __init__(self, client: Any, where: str) -> None:
+    def __init__(self, client: Any, where: str, folder: Path) -> None:
         self._client = client
-        self._where = where
+        self._where, self._folder = where, folder
         self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
         self._futures: set[Any] = set()
         self._threads, self._counted = 0, -COUNT_AGAIN
@@ -130,7 +140,7 @@ class _Cluster:
     def _lost(self) -> FibermeltError:
         return FibermeltError(
             f"the scheduler {self._where} is gone: finished cases are kept; go on with fibermelt "
-            "resume DIR, with --scheduler where there is another one"
+            f"resume {self._folder}, with --scheduler where there is another one"
         )
 
 
@@ -203,22 +213,20 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
         }
         stack.enter_context(dask.config.set(settings))
         if scheduler is None:
-            yield stack.enter_context(_local(workers))
+            yield stack.enter_context(_local(workers, folder))
         else:
             yield stack.enter_context(_remote(scheduler, folder))
 
 
 @contextmanager
-def _local(workers: int | None) -> Iterator[_Cluster]:
+def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
     """Yield a cluster on this machine, which goes with this process however that ends."""
-    from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
-
     dd = _distributed()
     with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch, ExitStack() as stack:
         try:
             with _without_interrupts():
                 cluster = dd.LocalCluster(
-                    n_workers=workers or CPU_COUNT,
+                    n_workers=workers or cores(),
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
@@ -230,7 +238,7 @@ def _local(workers: int | None) -> Iterator[_Cluster]:
                 )
                 client = dd.Client(stack.enter_context(cluster), set_as_default=False)
                 stack.enter_context(client)
-            yield _Cluster(client, "of this machine")
+            yield _Cluster(client, "of this machine", folder)
         finally:
             # Ctrl-C once more must not leave it half closed.
             with _without_interrupts():
@@ -284,7 +292,7 @@ def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
         )
         raise FibermeltError(msg) from error
     try:
-        yield _Cluster(client, scheduler)
+        yield _Cluster(client, scheduler, folder)
     finally:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):
