@@ -149,7 +149,7 @@ def test_clean_takes_what_no_case_needs(tmp_path):
     assert not any((out / name).exists() for name in told["unneeded"])
     status = json.loads(fibermelt("status", out, "--json").stdout)
     assert (status["done"], status["failed"]) == (3, 3)
-    assert "0 not needed" in fibermelt("clean", out).stdout
+    assert "nothing to remove" in fibermelt("clean", out).stdout
 
 
 def test_clean_keeps_the_run_on_show(tmp_path, monkeypatch):

@@ -30,7 +30,7 @@ main()
 TAKES = {"FAKE_FLOW_TAKES": "0.05", "FAKE_MOTION_TAKES": "0.5"}
 """Cost [s] of the stages: 72 cases take 18 s on two workers, longer than any test here needs."""
 
-SHELL_INTERRUPTED = 130
+SHELL_INTERRUPTED, SHELL_ENDED = 130, 143
 
 
 @contextmanager
@@ -97,13 +97,19 @@ def test_control_c_is_answered_by_one_line(tmp_path, times):
     assert not any(map(is_alive, workers(tmp_path)))
 
 
-def test_workers_go_with_a_client_that_is_ended(tmp_path):
+def test_a_signal_to_end_leaves_nothing_behind(tmp_path, monkeypatch):
+    """Neither workers nor what they wrote beside the results."""
+    (tmp_path / "scratch").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "scratch"))
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with sweeping(tmp_path, **pipes) as running:
         wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
         running.terminate()
-        running.communicate(timeout=PATIENCE)
-    wait_for(lambda: not any(map(is_alive, workers(tmp_path))), "end of the workers")
+        _, complaints = running.communicate(timeout=PATIENCE)
+    assert running.returncode == SHELL_ENDED
+    assert complaints.splitlines()[-1].startswith("interrupted: finished cases are kept")
+    assert not any(map(is_alive, workers(tmp_path)))
+    assert list((tmp_path / "scratch").glob("fibermelt-*")) == []
 
 
 @pytest.mark.skipif(not hasattr(os, "login_tty"), reason="needs pseudo-terminals")

@@ -131,7 +131,8 @@ def test_a_stored_flow_tells_from_which_it_started(chained):
     assert {key: record.neighbour for key, record in found.items()} == started
     assert sum(not key for key in started.values()) == 1
     told = sweep_status(out)["stages"]["flow"]
-    assert (told["stored"], told["from_neighbour"]) == (4, 3)
+    assert (told["needed"], told["stored"], told["from_neighbour"]) == (4, 4, 3)
+    assert "flow            4 of 4 stored, 3 from a neighbour" in fibermelt("status", out).stdout
     assert told["processor"] == sum(record.processor for record in found.values())
 
 

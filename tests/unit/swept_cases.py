@@ -102,7 +102,7 @@ def with_errors(collected):
 
 
 COMPUTED = Computed(
-    stages={"flow": StageCost(6, 4, 80.5, 60.0), "cell": StageCost(1, 0, 2.0, 0.0)},
+    stages={"flow": StageCost(6, 6, 4, 80.5, 60.0), "cell": StageCost(1, 1, 0, 2.0, 0.0)},
     progress=Progress(42.0, 1, 5, 2.5, 1.5),
     software={"ngsolve": ("6.2.1", "6.2.2")},
 )

@@ -15,6 +15,7 @@ import typer
 from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
 
 __all__ = [
+    "ENDED",
     "INTERRUPTED",
     "ColdOption",
     "JsonOption",
@@ -33,6 +34,9 @@ MISTAKE = 2
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
+
+ENDED = 143
+"""Exit code after a signal to end (128 + SIGTERM)."""
 
 StudyArgument = Annotated[
     str, typer.Argument(help="A study: the path of a TOML file, or a shipped one such as `paper`.")

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Iterator
+import signal
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fibermelt.cli.common import (
+    ENDED,
     INTERRUPTED,
     ColdOption,
     JsonOption,
@@ -48,6 +51,24 @@ SchedulerOption = Annotated[
 RetryOption = Annotated[
     bool, typer.Option("--retry-failed", help="Try cases again that had no answer.")
 ]
+
+
+class _Ended(KeyboardInterrupt):
+    """A signal to end: batch systems and `kill` send it where a person presses Ctrl-C."""
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Have SIGTERM end a sweep as Ctrl-C does, so that nothing of its cluster is left."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        raise _Ended
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class _Notes:
@@ -136,7 +157,7 @@ def _go(
 
         swept, study, folder = read()
         try:
-            with _watching(as_json=as_json) as observer:
+            with _ended_in_order(), _watching(as_json=as_json) as observer:
                 summary = run_sweep(
                     swept,
                     study,
@@ -147,12 +168,12 @@ def _go(
                     retry_failed=retry_failed,
                     observer=observer,
                 )
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as ended:
             typer.echo(
                 f"interrupted: finished cases are kept, fibermelt resume {_quoted(folder)} goes on",
                 err=True,
             )
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(ENDED if isinstance(ended, _Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
@@ -188,11 +209,21 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
             f"{found['pending']} to do",
             f"last run        {found['wall_s']:.1f} s, {found['reused_stages']} stages reused",
         ]
+        lines += [
+            f"{name:<16}{cost['stored']} of {cost['needed']} stored{_started(cost)}"
+            for name, cost in found["stages"].items()
+        ]
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
         lines += [f"damaged: {path}" for path in found["damaged"]]
         if found["pending"] or found["damaged"]:
             lines.append(f"go on with fibermelt resume {_quoted(Path(directory))}")
         say("\n".join(lines))
+
+
+def _started(cost: Mapping[str, Any]) -> str:
+    """Return how many results of a stage started from a neighbour, if any did."""
+    count = cost["from_neighbour"]
+    return f", {count} from a neighbour" if count else ""
 
 
 def clean(
@@ -219,9 +250,12 @@ def clean(
         if as_json:
             say(json.dumps({"unneeded": names, "bytes": size, "removed": yes}, indent=1))
             return
+        if not names:
+            say("nothing to remove: a case or the run on show needs all that is there")
+            return
         told_of = "removed" if yes else "not needed by any case or run on show"
         lines = [*names, f"{len(names)} {told_of}, {size / 1e6:.1f} MB"]
-        if names and not yes:
+        if not yes:
             lines.append(f"fibermelt clean {_quoted(folder)} --yes removes them")
         say("\n".join(lines))
 

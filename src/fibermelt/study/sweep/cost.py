@@ -7,7 +7,8 @@ together in files that tell neither, so `Progress` counts what they cost.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,14 +81,15 @@ class StageCost:
 
     Parameters
     ----------
-    stored : int
-        How many of them are stored.
+    needed, stored : int
+        How many results the cases need, and how many of them are stored.
     from_neighbour : int
         How many of these started from a neighbour; all others did from cold.
     seconds, processor : float
         Wall time and processor time that they took, added up [s].
     """
 
+    needed: int
     stored: int
     from_neighbour: int
     seconds: float
@@ -127,22 +129,22 @@ def read_computed(directory: Path) -> Computed:
     for record, _ in Store(directory, ()).records():
         if record.key in kept:
             found[record.stage].append(record)
-    progress = read_progress(cases)
+    needed, progress = Counter(kept.values()), read_progress(cases)
     versions: dict[str, set[str]] = {}
     every = [record.software for records in found.values() for record in records]
     for software in (*every, progress.software):
         for name, version in software.items():
             versions.setdefault(name, set()).add(version)
     return Computed(
-        stages={name: _added(records) for name, records in found.items()},
+        stages={name: _added(needed[name], records) for name, records in found.items()},
         progress=progress,
         software={name: tuple(sorted(several)) for name, several in versions.items()},
     )
 
 
-def _added(records: Iterable[Record]) -> StageCost:
-    there = list(records)
+def _added(needed: int, there: Sequence[Record]) -> StageCost:
     return StageCost(
+        needed=needed,
         stored=len(there),
         from_neighbour=sum(bool(record.neighbour) for record in there),
         seconds=sum(record.cost for record in there),

@@ -116,8 +116,8 @@ def sweep_status(directory: Path) -> dict[str, Any]:
         ``"wall_s"`` of the last run into the folder; ``"reasons"``: how many cases each reason
         cost; ``"failures"``: the stages without an answer, with their parameters; ``"damaged"``:
         files that are not what was written; ``"stages"``: of each stage that is kept, how many
-        results are ``"stored"``, how many of these started ``"from_neighbour"``, and what they
-        cost: ``"seconds"`` of wall time and ``"processor"`` time [s].
+        results are ``"needed"`` and ``"stored"``, how many of these started ``"from_neighbour"``,
+        and what they cost: ``"seconds"`` of wall time and ``"processor"`` time [s].
 
     Raises
     ------
