@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError
 from fibermelt.study.files import digest, read_sealed
 from fibermelt.study.netcdf import from_bytes
-from fibermelt.study.schema import SCHEMA
+from fibermelt.study.schema import SCHEMA, no_folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,7 +72,7 @@ def _refuse(directory: Path) -> None:
     """Refuse what is no results folder of this schema."""
     marker = directory / "stages" / "store.json"
     if not marker.is_file():
-        what = "is no results folder of fibermelt" if directory.is_dir() else "no such folder"
+        what = no_folder(directory) or "is no results folder of fibermelt"
         msg = f"{directory}: {what}; name one that `fibermelt run` wrote, such as results/paper"
         raise StoreError(msg)
     try:
