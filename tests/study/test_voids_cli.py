@@ -118,9 +118,14 @@ def test_words_for_a_person(finished):
 
 def test_no_finished_run_says_how_to_make_one(finished, tmp_path):
     (tmp_path / "empty").mkdir()
-    for name in ("empty", "nowhere"):
-        said = refused(tmp_path, name)
-        assert f"{name}: holds no finished run; make one with fibermelt run paper --out" in said
+    assert "empty: is no results folder of fibermelt; name one" in refused(tmp_path, "empty")
+    assert "nowhere: no such folder; name one" in refused(tmp_path, "nowhere")
+    copy = Path(shutil.copytree(finished[0] / "out", tmp_path / "copy"))
+    (copy / "stages/outputs.json").unlink()
+    said = refused(tmp_path, "copy")
+    assert "copy: holds no finished run; `fibermelt run STUDY --out copy` goes on" in said
+    (copy / "sweep.json").write_text("{}")
+    assert "copy: holds a sweep, and no finished run" in refused(tmp_path, "copy")
 
 
 @pytest.mark.parametrize(
