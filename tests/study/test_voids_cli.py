@@ -113,7 +113,7 @@ def test_words_for_a_person(finished):
     done = fibermelt("voids", "out", folder=finished[0])
     assert done.returncode == 0
     assert done.stdout.startswith("vapor pressure  0.951 MPa of 0.17 % moisture in 13 wt% CF/ABS")
-    assert "\ndrying          " in done.stdout
+    assert "\nwhat to do      " in done.stdout
 
 
 def test_no_finished_run_says_how_to_make_one(finished, tmp_path):
