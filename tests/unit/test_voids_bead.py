@@ -287,3 +287,22 @@ def test_what_a_card_does_not_allow_is_refused_by_its_key(given_, message):
 def test_from_card_is_as_received_at_the_temperature_of_printing():
     melt = moist_melt("abs-cf13")
     assert (melt.moisture, melt.temperature, melt.log10_threshold) == (0.0017, 503.15, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("material", "temperature", "hint"),
+    [
+        ("abs-cf13", 230.0, True),
+        ("abs-cf13", 150.0, True),  # too cold even so, but no melt is below the freezing point
+        ("pei", 360.0, True),  # above it, and yet the card's own range in degrees Celsius
+        ("abs-cf13", 360.0, False),
+        ("abs-cf13", 573.15, False),
+    ],
+)
+def test_a_temperature_that_was_meant_in_celsius_is_told_how_to_be_written(
+    material, temperature, hint
+):
+    with pytest.raises(ConfigError, match=r"^voids\.temperature = .*: must be from ") as raised:
+        moist_melt(material, 1e-4, temperature)
+    assert (f'write "{temperature:g} degC"' in str(raised.value)) == hint
+    assert str(raised.value).endswith('; or write "from-card"')

@@ -175,7 +175,8 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     Parameters
     ----------
     summary : mapping
-        With the content of `summarize_voids`.
+        With the content of `summarize_voids`, and ``"held"`` in it where it is of a run with
+        another melt.
     """
     voids = summary["voids"]
     celsius = voids["temperature"] - 273.15
@@ -190,6 +191,8 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     else:
         lines += _worst(voids, worst)
     lines.append(f"what to do      {advice(voids)}")
+    if "held" in voids:
+        lines.append(f"held            {voids['held']}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]
     if estimates := voids["material"]["estimates"]:
         lines.append(f"estimates       {', '.join(estimates)}")
