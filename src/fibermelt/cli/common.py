@@ -21,8 +21,15 @@ MISTAKE = 2
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
 
+SHIPPED = "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content"
+"""The studies that come along, in words: a test holds them to the files that are there."""
+
 StudyArgument = Annotated[
-    str, typer.Argument(help="A study: the path of a TOML file, or a shipped one such as `paper`.")
+    str,
+    typer.Argument(
+        metavar="STUDY",
+        help=f"A study: the path of a TOML file, or one that is shipped ({SHIPPED}).",
+    ),
 ]
 SetOption = Annotated[
     list[str] | None,
@@ -30,7 +37,8 @@ SetOption = Annotated[
         "--set",
         "-s",
         metavar="KEY=VALUE",
-        help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times.',
+        help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times. '
+        "`fibermelt defaults` prints all there are.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]

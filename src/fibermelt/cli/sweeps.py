@@ -37,7 +37,7 @@ WorkersOption = Annotated[
     typer.Option(
         "--workers",
         metavar="N",
-        help="Processes on this machine, as many as it has cores by default; 0: this one only.",
+        help="Processes on this machine; as many as it has cores by default, 0 for this one only.",
     ),
 ]
 SchedulerOption = Annotated[
@@ -101,7 +101,10 @@ def sweep(
     cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run every case of a study with a table [sweep]; what is stored already is reused."""
+    """Run every case of a study with a [sweep].
+
+    What is stored already is reused, and a sweep that was stopped goes on.
+    """
 
     def read() -> tuple[Sweep, Study]:
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
@@ -120,7 +123,10 @@ def resume(
     retry_failed: RetryOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Go on with the sweep of a results folder; what is finished is not computed again."""
+    """Go on with the sweep of a results folder.
+
+    What is finished is not computed again; the study's file is not needed.
+    """
 
     def read() -> tuple[Sweep, Study]:
         from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
@@ -187,13 +193,19 @@ def _in_words(summary: dict[str, Any], folder: Path) -> str:
 def plan(
     study: StudyArgument,
     out: Annotated[
-        str | None, typer.Option("--out", metavar="DIR", help="Results folder to look into.")
+        str | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Results folder to look into; results/NAME by default."
+        ),
     ] = None,
     sets: SetOption = None,
     cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Show the cases of a sweep, which stages they share, and what is already done."""
+    """Show the cases of a sweep, and run none.
+
+    Tells which stages they share, and what of it is done in the results folder.
+    """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.loading import load_study  # noqa: PLC0415
@@ -229,7 +241,7 @@ def _plan_in_words(listed: dict[str, Any]) -> str:
 
 
 def status(directory: Folder, as_json: JsonOption = False) -> None:
-    """Tell how far the sweep of a results folder is, and why cases failed."""
+    """Tell how far a sweep is, and why cases failed."""
     with told():
         from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
 
@@ -254,7 +266,10 @@ def clean(
     yes: Annotated[bool, typer.Option("--yes", help="Remove it, rather than tell only.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell what no case and no run on show needs any more; with --yes, remove it."""
+    """Tell what a results folder no longer needs.
+
+    That is what no case of its sweep and no run on show in it needs. With --yes, remove it.
+    """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.status import list_unneeded, remove_unneeded  # noqa: PLC0415
@@ -291,7 +306,10 @@ def collect(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Collect the numbers of all cases into one dataset over what varies."""
+    """Collect the numbers of a sweep in one file.
+
+    All numbers of all cases, as one dataset over what varies.
+    """
     with told():
         if to is not None and not to.strip():
             msg = '--to "": is no name of a file; write one, or leave --to away'
