@@ -104,6 +104,7 @@ def _end_of_steady(problem: Deposition, gap: float, reason: Exception) -> Conver
     return ConvergenceError(
         f"deposition flow: no steady free surface found for flow.gap = {goal:g} m and a bead "
         f"{height:.4g} m high ({goal / height:.3g} bead heights): opened in steps from a narrower "
-        f"one, the gap has an upstream surface up to {gap:.4g} m at least; {beyond}, whatever flow.outlet; "
-        f"lower flow.gap to {gap:.4g} m or less, lower flow.bed_speed, or raise flow.inlet_speed"
+        f"one, the gap has an upstream surface up to {gap:.4g} m at least; {beyond}, whatever "
+        f"flow.outlet; lower flow.gap to {gap:.4g} m or less, lower flow.bed_speed, or raise "
+        "flow.inlet_speed"
     )
