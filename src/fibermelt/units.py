@@ -18,7 +18,7 @@ from fibermelt.errors import LONGEST, ConfigError, legible
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["ZERO_CELSIUS", "celsius_meant", "in_celsius", "parse", "shown"]
+__all__ = ["ZERO_CELSIUS", "celsius_meant", "in_celsius", "parse", "parse_difference", "shown"]
 
 _QUANTITY = re.compile(
     r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
@@ -183,6 +183,32 @@ def celsius_meant(value: float, unit: str) -> str:
 def in_celsius(value: float) -> str:
     """Return how to write a number that was taken for kelvin as degrees Celsius."""
     return f'; a number without unit is in K: for degrees Celsius write "{value:g} degC"'
+
+
+def parse_difference(value: object, unit: str) -> float:
+    """Return the difference of two quantities in SI: of temperatures without their zero.
+
+    Parameters
+    ----------
+    value, unit
+        As in `parse`.
+
+    Raises
+    ------
+    ConfigError
+        As `parse`.
+
+    Examples
+    --------
+    >>> parse_difference("10 degC", "K")
+    10.0
+    """
+    number = parse(value, unit)
+    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    given = (match["unit"] or "").strip() if match else ""
+    if match is None or not given:
+        return number
+    return _scaled(match["number"], _scale(given, unit)[0])
 
 
 def _float(number: float) -> float:

@@ -21,7 +21,10 @@ MISTAKE = 2
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
 
-SHIPPED = "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content"
+SHIPPED = (
+    "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content, "
+    "population"
+)
 """The studies that come along, in words: a test holds them to the files that are there."""
 
 StudyArgument = Annotated[

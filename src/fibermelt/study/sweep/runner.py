@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -150,6 +150,7 @@ class _Work:
     later: deque[tuple[float, Job | PlannedCase]] = field(default_factory=deque)
     pace: dict[str, _Pace] = field(default_factory=dict)
     stages_left: set[str] = field(default_factory=set)
+    planned: Counter[str] = field(default_factory=Counter)
     cases_left: int = 0
     flying: int = 0
     told: float = 0.0
@@ -170,6 +171,8 @@ class _Work:
         there = {key for key, job in self.plan.jobs.items() if self._is_stored(job)}
         self.reused = len(there)
         self.stages_left = self._needed(todo, there | set(failures))
+        left = (job.stage for key, job in self.plan.jobs.items() if key in self.stages_left)
+        self.planned = Counter(left)
         self.leaders = {self.plan.jobs[key].neighbour for key in self.stages_left}
         for key, job in self.plan.jobs.items():
             if key in self.stages_left:
@@ -352,10 +355,17 @@ class _Work:
             self.told = now
             count, total = len(self.done), len(self.done) + len(self.failed) + self.cases_left
             failed = f", {len(self.failed)} failed" if self.failed else ""
-            self.observer.step("sweep", f"{count} of {total} cases{failed}{self._to_go(pool)}")
+            line = f"{count} of {total} cases{failed}{self._stages_told()}{self._to_go(pool)}"
+            self.observer.tick("sweep", line)
         if now - self.noted > NOTE:
             self.noted = now
             self.cases.write_progress(wall=now - self.began, reused=self.reused)
+
+    def _stages_told(self) -> str:
+        """Return how many of the stages to keep there are, those of which some are to come."""
+        left = Counter(self.plan.jobs[key].stage for key in self.stages_left)
+        told = ((name, count) for name, count in self.planned.items() if left[name])
+        return "".join(f", {name} {count - left[name]} of {count}" for name, count in told)
 
     def _to_go(self, pool: Pool) -> str:
         """Return the time to go in words, as far as every kind of work left has been seen."""
