@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fibermelt.errors import (
         ConfigError,
         ConvergenceError,
+        DamagedError,
         FibermeltError,
         HistoryError,
         MeshError,
@@ -46,6 +47,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "ConfigError": "errors",
     "ConvergenceError": "errors",
+    "DamagedError": "errors",
     "FibermeltError": "errors",
     "HistoryError": "errors",
     "MeshError": "errors",
@@ -85,6 +87,7 @@ _HOMES = {
 __all__ = [
     "ConfigError",
     "ConvergenceError",
+    "DamagedError",
     "Deposition",
     "Ellipse",
     "FibermeltError",

@@ -5,6 +5,7 @@ from __future__ import annotations
 __all__ = [
     "ConfigError",
     "ConvergenceError",
+    "DamagedError",
     "FibermeltError",
     "HistoryError",
     "MeshError",
@@ -38,6 +39,10 @@ class HistoryError(FibermeltError):
 
 class StoreError(FibermeltError):
     """A results folder that cannot be read or written: damaged, foreign, read-only or full."""
+
+
+class DamagedError(StoreError):
+    """A file of a results folder that is not what was written."""
 
 
 def legible(text: str, longest: int = LONGEST) -> str:

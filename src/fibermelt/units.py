@@ -18,7 +18,7 @@ from fibermelt.errors import LONGEST, ConfigError, legible
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["parse", "parse_difference", "shown"]
+__all__ = ["ZERO_CELSIUS", "celsius_meant", "in_celsius", "parse", "parse_difference", "shown"]
 
 _QUANTITY = re.compile(
     r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
@@ -30,6 +30,9 @@ _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
+
+ZERO_CELSIUS = 273.15
+"""0 degC [K]."""
 
 LINEARITY_TOLERANCE = 1e-9
 """Largest part by which two units may miss the double of one: above rounding, below a decibel."""
@@ -160,6 +163,26 @@ def parse(value: object, unit: str) -> float:
         msg = "is not finite"
         raise ConfigError(msg)
     return number
+
+
+def celsius_meant(value: float, unit: str) -> str:
+    """Return what to add to the refusal of a temperature that is too low; else nothing.
+
+    No melt is below the freezing point of water: a bare number there was meant in degrees Celsius.
+
+    Parameters
+    ----------
+    value : float
+        What was refused [unit].
+    unit : str
+        Its SI unit.
+    """
+    return in_celsius(value) if unit == "K" and -ZERO_CELSIUS <= value < ZERO_CELSIUS else ""
+
+
+def in_celsius(value: float) -> str:
+    """Return how to write a number that was taken for kelvin as degrees Celsius."""
+    return f'; a number without unit is in K: for degrees Celsius write "{value:g} degC"'
 
 
 def parse_difference(value: object, unit: str) -> float:

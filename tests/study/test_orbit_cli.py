@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.study.questions.orbit import read_quantity
 
 KEYS = [
     "period",
@@ -83,10 +84,22 @@ def test_units_and_the_start():
     answer = orbit(model="ellipse", shear_rate="120 1/min", viscosity="0.817 kPa s", angle="30")
     assert answer["max_pressure"] == pytest.approx(2 * 817 * 7, rel=1e-12)
     assert answer["period"] == pytest.approx(38.75 / 2, abs=PRINTED)
-    circle = {"model": "ellipse", "aspect_ratio": "1"}
-    # a circle sees its lowest pressure at any angle, so at the first
-    for start in ("30", "30 deg", f"{math.pi / 6} rad"):
-        assert orbit(**circle, angle=start)["angle_at_min"] == pytest.approx(math.pi / 6)
+
+
+@pytest.mark.parametrize("start", ["30", "30 deg", f"{math.pi / 6} rad"])
+def test_a_bare_angle_is_in_degrees(start):
+    assert read_quantity("--angle", start, "rad", bare="deg") == pytest.approx(math.pi / 6)
+
+
+@pytest.mark.parametrize("model", ["confined-ellipse", "ellipse", "spheroid"])
+def test_a_circle_has_no_angle_to_tell(model):
+    answer = orbit(model=model, aspect_ratio="1")
+    assert (answer["angle_at_min"], answer["where_at_min"]) == (None, None)
+    # any direction of a round fiber turns with the melt: 4 pi over the shear rate
+    assert answer["period"] == pytest.approx(4 * math.pi, rel=1e-9)
+    words = invoke({"--model": model, "--aspect-ratio": "1"}).stdout
+    assert "lowest          at every angle alike: a fiber of aspect ratio 1 has no" in words
+    assert "shape factor    0.000000\n" in words
 
 
 def test_the_papers_algorithm_agrees():
@@ -175,5 +188,8 @@ def test_a_number_that_is_not_finite(option, value):
     assert done.stderr == f'error: {option} = "{value}": is not finite\n'
 
 
-def test_an_unbounded_fiber_has_no_cell_to_be_too_small():
-    assert orbit(model="ellipse", domain_size="1")["max_pressure"] == pytest.approx(817 * 7)
+@pytest.mark.parametrize("model", ["ellipse", "spheroid"])
+def test_a_domain_size_without_a_cell_is_refused(model):
+    done = invoke({"--model": model, "--domain-size": "4"}, "--json")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(f'error: domain_size = 4 with model = "{model}": that model has')

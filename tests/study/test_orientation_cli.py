@@ -33,7 +33,8 @@ RESIDUAL = 1e-12
 
 def invoke(command, *more, **options):
     named = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
-    arguments = [part for option in {**PAPER[command], **named}.items() for part in option]
+    given = {**PAPER[command], **named}
+    arguments = [part for name, value in given.items() if value for part in (name, value)]
     return CliRunner().invoke(app, [command, *arguments, *more])
 
 
@@ -103,11 +104,18 @@ def test_every_flow(flow):
 
 @pytest.mark.parametrize(
     ("model", "parameters"),
-    [("rsc", ["kappa=1"]), ("mrd", ["first=1", "second=1", "third=1"]), ("iard", ["anisotropy=0"])],
+    [
+        ("rsc", ["kappa=1"]),
+        ("mrd", ["first=1", "second=1", "third=1"]),
+        ("iard", ["anisotropy=0"]),
+        ("nematic", ["potential=0"]),
+        ("ard-rsc", ["b1=0.0128"]),
+    ],
 )
 def test_models_in_the_limit_of_folgar_and_tuckers(model, parameters):
     more = [part for one in parameters for part in ("--parameter", one)]
-    found = answer("orientation", *more, model=model)
+    coefficient = None if model == "ard-rsc" else "0.0128"
+    found = answer("orientation", *more, model=model, interaction=coefficient)
     assert np.array(found["a"]) == pytest.approx(np.array(answer("orientation")["a"]), abs=1e-10)
 
 
@@ -133,7 +141,17 @@ def test_an_orientation_in_words():
         ({"closure": "exact-pd"}, "closure 'exact-pd' is unknown; did you mean 'exact-pdf'?"),
         ({"aspect_ratio": "0.5"}, "fiber.aspect_ratio = 0.5: must be at least 1"),
         ({"model": "rcs"}, "orientation model 'rcs' is unknown; did you mean 'rsc'?"),
-        ({"model": "ard-rsc"}, "--model ard-rsc: has not one C_I"),
+        (
+            {"model": "ard-rsc"},
+            "--interaction with --model ard-rsc: the model has b1, b2, b3, b4, b5, kappa in its "
+            "place: drop --interaction, and give --parameter b1=...",
+        ),
+        ({"model": "jeffery"}, "--model jeffery: without interaction there is nothing to find"),
+        ({"interaction": None}, "--model folgar-tucker: needs --interaction C_I, such as 0.0128"),
+        (
+            {"interaction": None, "model": "ard-rsc"},
+            "--model ard-rsc: takes b1, b2, b3, b4, b5, kappa besides: add --parameter b1=...",
+        ),
         ({"model": "rsc"}, "--model rsc: takes kappa besides: add --parameter kappa=..."),
         ({"flow": "shear"}, "flow 'shear' is unknown; did you mean 'simple-shear'?"),
         ({"convention": "papers"}, "folgar-tucker: convention 'papers' is unknown; did you mean"),
@@ -212,6 +230,11 @@ def test_a_domain_size_in_words():
         ({"closure": "ORE2"}, "closure 'ORE2' is unknown; did you mean 'ORE'?"),
         ({"law": "bai"}, 'interaction law "bai" is unknown: did you mean "bay"?'),
         ({"law": "bai", "interaction": "0.01"}, 'interaction law "bai" is unknown'),
+        (
+            {"law": "phan-thien", "interaction": "0.01"},
+            "interaction = 0.01 with law = phan-thien: the law is for who has no coefficient: give "
+            "one of the two",
+        ),
         ({"aspect_ratio": "1"}, "fiber.aspect_ratio = 1: must be above 1; a circle"),
         ({"aspect_ratio": "0.5"}, "fiber.aspect_ratio = 0.5: must be at least 1"),
         ({"interaction": "0.2"}, "stall angle = 0.4787 rad: no cell stalls a fiber of r_e = 6"),

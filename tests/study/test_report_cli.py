@@ -66,12 +66,14 @@ def test_figures_that_are_gone_or_changed_are_drawn_again(folder):
 
 def test_no_results_folder(tmp_path):
     assert refused(report(tmp_path / "none"), "no such folder", "fibermelt run")
+    (tmp_path / "file").write_text("")
+    assert refused(report(tmp_path / "file"), "is a file, not a results folder", "fibermelt run")
     assert refused(report(tmp_path), "is no results folder of fibermelt", "fibermelt run")
 
 
 def test_no_finished_run(folder):
     (folder / "stages/outputs.json").unlink()
-    assert refused(report(folder), "holds no finished run", "fibermelt run <study>")
+    assert refused(report(folder), "holds no finished run", "fibermelt run STUDY --out")
 
 
 @pytest.mark.parametrize("name", ["results.nc", "summary.json", "stages/outputs.json"])
@@ -84,7 +86,7 @@ def test_changed_results(folder, name):
 @pytest.mark.parametrize("name", ["results.nc", "summary.json"])
 def test_missing_results(folder, name):
     (folder / name).unlink()
-    assert refused(report(folder), name, "is damaged", "--fresh")
+    assert refused(report(folder), name, "is missing", "run the study again")
 
 
 def test_another_schema(folder):

@@ -92,6 +92,27 @@ def test_moisture_temperature_and_card_are_those_asked_for(finished):
     assert (other["moisture"], other["material"]["key"]) == (0.00025, "pla")
 
 
+@pytest.mark.parametrize(
+    ("options", "kelvin"),
+    [(["--temperature", "210 degC"], "483.15"), (["--material", "pla"], "483.15")],
+)
+def test_pressures_that_stay_those_of_the_run_are_said_to(finished, options, kelvin):
+    folder, summary = finished
+    answer = asked(folder, *options)
+    assert answer["lowest_pressure"] == summary["voids"]["lowest_pressure"]
+    assert answer["held"].startswith("the local pressures, those of the run's melt")
+    assert "melt.viscosity = 817 Pa s" in answer["held"]
+    command = f'run out/config.toml --set melt.viscosity=... --set voids.temperature="{kelvin} K"'
+    assert command in answer["held"]
+    words = fibermelt("voids", "out", *options, folder=folder).stdout
+    assert f"\nheld            {answer['held']}\n" in words
+
+
+def test_nothing_is_held_of_the_melt_that_was_run(finished):
+    same = ("--material", "abs-cf13", "--temperature", "230 degC", "--moisture", "0.1 %")
+    assert "held" not in asked(finished[0], *same)
+
+
 def test_a_card_of_ones_own(finished):
     folder, _ = finished
     (folder / "mine.toml").write_text(
@@ -113,14 +134,19 @@ def test_words_for_a_person(finished):
     done = fibermelt("voids", "out", folder=finished[0])
     assert done.returncode == 0
     assert done.stdout.startswith("vapor pressure  0.951 MPa of 0.17 % moisture in 13 wt% CF/ABS")
-    assert "\ndrying          " in done.stdout
+    assert "\nwhat to do      " in done.stdout
 
 
 def test_no_finished_run_says_how_to_make_one(finished, tmp_path):
     (tmp_path / "empty").mkdir()
-    for name in ("empty", "nowhere"):
-        said = refused(tmp_path, name)
-        assert f"{name}: holds no finished run; make one with fibermelt run paper --out" in said
+    assert "empty: is no results folder of fibermelt; name a folder" in refused(tmp_path, "empty")
+    assert "nowhere: no such folder; name a folder" in refused(tmp_path, "nowhere")
+    copy = Path(shutil.copytree(finished[0] / "out", tmp_path / "copy"))
+    (copy / "stages/outputs.json").unlink()
+    said = refused(tmp_path, "copy")
+    assert "copy: holds no finished run; `fibermelt run STUDY --out copy` goes on" in said
+    (copy / "sweep.json").write_text("{}")
+    assert "copy: holds a sweep, and no finished run" in refused(tmp_path, "copy")
 
 
 @pytest.mark.parametrize(
@@ -129,6 +155,8 @@ def test_no_finished_run_says_how_to_make_one(finished, tmp_path):
         (["--moisture", "0.75 %"], "--moisture = 0.75 %: must be at most 0.5 %, saturation at"),
         (["--moisture", "much"], '--moisture = "much": is not a number'),
         (["--moisture", "1 m"], "which measures length, not a pure number"),
+        (["--temperature", "230"], 'for degrees Celsius write "230 degC"'),
+        (["--temperature", "190"], 'for degrees Celsius write "190 degC"'),
         (["--temperature", "300 degC"], "--temperature = 573.15 K: must be from 473.15 to 533.15"),
         (["--material", "abs-cf31"], "did you mean abs-cf13?"),
         (["--material", "pei"], "--moisture: the card of PEI has none: give one"),

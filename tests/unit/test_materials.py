@@ -172,6 +172,11 @@ def test_declared_examples_can_be_written():
         ('source = "made up" }\n[surface]', 'source = "" }\n[surface]', "must say where it is"),
         ('{ value = "40 mN/m", source = "made up" }', '"40 mN/m"', "surface.tension: must say"),
         ('density = { value = "1 g/cm^3", source = "made up" }\n', "", r"melt\.density: missing"),
+        (
+            '"230 degC"',
+            "230",
+            r'melt\.temperature = 230: must be at least 273\.16 K; .*"230 degC"$',
+        ),
         ('"230 degC"', '"300 degC"', r"melt\.temperature = 300 degC: must lie between .*260 degC"),
         ("[melt]", "[melt", "is not a card in TOML"),
         ("[wetting]\ncontact_angle", "[surface.more]\ncontact_angle", "surface.more: must say"),

@@ -17,14 +17,15 @@ from fibermelt.report.answer import answer
 from fibermelt.report.embed import Embedded
 from fibermelt.report.figures import FIGURES
 from fibermelt.report.judged import claims, verification
-from fibermelt.report.risk import advice, voids
+from fibermelt.report.risk import voids
 from fibermelt.report.sections import FURTHER, SECTIONS, told
 from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
 from fibermelt.report.tables import fixed, number, percent, short
 from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
 from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
-from fibermelt.study.voids.summary import summarize_voids
+from fibermelt.study.voids.advice import advice
+from fibermelt.study.voids.summary import summarize_voids, voids_in_words
 
 MPA = 1e-6
 
@@ -149,9 +150,9 @@ def risk(bead: xr.Dataset) -> dict[str, Any]:
     return {**stored_summary(bead), **summarize_voids(bead)}
 
 
-def test_where_it_can_void_is_told_as_it_is_stored(risk: dict[str, Any]) -> None:
+def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[str, Any]) -> None:
     found = risk["voids"]
-    html = voids(xr.Dataset(), risk)
+    html = voids(bead, risk)
     assert f"{fixed(MPA * found['vapor_pressure'], 3)} MPa" in html
     by_basis = rows(html, "Lowest local pressure in the bead")
     assert [row[1] for row in by_basis] == [
@@ -177,19 +178,30 @@ def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:
     return {**copy.deepcopy(summary["voids"]), **changes}
 
 
-def test_the_advice_follows_from_the_critical_moisture(risk: dict[str, Any]) -> None:
-    melt = {"melt": {"critical_moisture": 2e-4}}
-    wet = told_of(risk, moisture=1e-3, by_basis=melt)
-    assert advice({**wet, "critical_moisture": None, "lowest_pressure": 1e5}).startswith("Nothing")
-    dry = {**wet, "critical_moisture": 4e-4, "lowest_pressure": 1e4}
-    assert advice(dry).startswith("Dry the material: below 0.040 %")
-    assert advice({**dry, "moisture": 3e-4}).startswith("Keep it this dry: below 0.040 %")
-    # One atmosphere over as much tension: at half of the speeds the lowest pressure is zero.
-    tension = {**wet, "critical_moisture": 0.0, "lowest_pressure": -101325.0}
-    assert "below 50 % of these" in advice(tension)
-    assert advice(tension).startswith("Dry below 0.020 %")
-    assert advice({**tension, "moisture": 1e-4}).startswith("Slow down")
-    assert advice({**wet, "lowest_pressure": None}).startswith("Not told")
+def test_page_and_words_give_the_same_advice(bead: xr.Dataset, risk: dict[str, Any]) -> None:
+    sentence = advice(risk["voids"])
+    assert f"What to do. {sentence}" in voids(bead, risk)
+    assert sentence in answer(bead, risk)
+    assert f"what to do      {sentence}" in voids_in_words(risk)
+
+
+@pytest.mark.parametrize(
+    ("rate", "threshold", "outcome"),
+    [(-3.0, 0.0, "none starts"), (-3.0, -6.0, "bubbles start"), (4.0, 6.0, "none starts")],
+)
+def test_what_counts_as_onset_is_what_the_study_says(
+    bead: xr.Dataset, risk: dict[str, Any], rate: float, threshold: float, outcome: str
+) -> None:
+    found = told_of(risk, threshold_rate=10.0**threshold)
+    for line in found["streamlines"]:
+        line.update(log10_rate=rate, critical_radius=4e-9, required_wetting=0.5)
+    html = voids(bead.assign(void_threshold=threshold), {**risk, "voids": found})
+    assert f"counted as onset is {number(threshold, 3)}: {outcome}." in html
+    assert ("50 % of the barrier" in html) == (outcome == "none starts")
+    (line,) = [one for one in voids_in_words({"voids": found}) if one.startswith("nucleation")]
+    assert f"{threshold:g} counts as onset" in line
+    assert ("bubbles start" in line) == (outcome == "bubbles start")
+    assert ("50 % of the barrier" in line) == (outcome == "none starts")
 
 
 def test_the_answer_is_yes_or_no_by_the_margin(bead: xr.Dataset, risk: dict[str, Any]) -> None:

@@ -19,6 +19,7 @@ from fibermelt.study.claims.voids import VOIDS
 from fibermelt.study.config import Config
 from fibermelt.study.materials import material_names
 from fibermelt.study.parameters import declarations
+from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.melt import moist_melt
 from fibermelt.study.voids.profile import layer_weights
 from fibermelt.study.voids.stages import assess_bead
@@ -129,9 +130,9 @@ def test_tension_leaves_no_moisture_and_pressure_every_one():
     assert voids["streamlines"][0]["time_below"] == 0.0
     json.dumps(voids, allow_nan=False)
     words = "\n".join(voids_in_words({"voids": voids}))
-    assert "not needed: no moisture that the polymer can hold starts a void" in words
+    assert "Nothing: no moisture that the polymer can hold starts a void." in words
     told = "\n".join(voids_in_words(summarize_voids(under)))
-    assert "no drying clears the bead" in told
+    assert "slow down: at fibers in their worst direction the melt is under tension" in told
 
 
 def test_a_dry_melt_has_margins_and_no_rate():
@@ -221,6 +222,24 @@ def test_a_singular_streamline_is_told_apart():
     assert top["lowest_pressure"] == pytest.approx(1e6 + ATMOSPHERE)
 
 
+def test_the_advice_follows_from_the_critical_moisture():
+    melt = {"melt": {"critical_moisture": 2e-4}}
+    wet = {"moisture": 1e-3, "by_basis": melt, "lowest_pressure": 1e5}
+    assert advice({**wet, "critical_moisture": None}).startswith("Nothing")
+    dry = {**wet, "critical_moisture": 4e-4, "lowest_pressure": 1e4}
+    assert advice(dry).startswith("Dry the material: below 0.040 % moisture no void starts")
+    assert advice({**dry, "critical_moisture": 0.12}).startswith("Keep it this dry: below 12 %")
+    assert advice({**dry, "moisture": 3e-4}).startswith("Keep it this dry: below 0.040 %")
+    # One atmosphere over as much tension: at half of the speeds the lowest pressure is zero.
+    tension = {**wet, "critical_moisture": 0.0, "lowest_pressure": -ATMOSPHERE}
+    assert "below 50 % of these" in advice(tension)
+    assert advice(tension).startswith("Dry below 0.020 %")
+    assert advice({**tension, "moisture": 1e-4}).startswith("Slow down")
+    assert advice({**wet, "critical_moisture": None, "lowest_pressure": None}).startswith(
+        "Not told"
+    )
+
+
 def test_nothing_but_singular_streamlines_is_said_so():
     found = assessed(bead(near_singularity=[1, 1]))
     summary = summarize_voids(found)
@@ -268,3 +287,22 @@ def test_what_a_card_does_not_allow_is_refused_by_its_key(given_, message):
 def test_from_card_is_as_received_at_the_temperature_of_printing():
     melt = moist_melt("abs-cf13")
     assert (melt.moisture, melt.temperature, melt.log10_threshold) == (0.0017, 503.15, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("material", "temperature", "hint"),
+    [
+        ("abs-cf13", 230.0, True),
+        ("abs-cf13", 150.0, True),  # too cold even so, but no melt is below the freezing point
+        ("pei", 360.0, True),  # above it, and yet the card's own range in degrees Celsius
+        ("abs-cf13", 360.0, False),
+        ("abs-cf13", 573.15, False),
+    ],
+)
+def test_a_temperature_that_was_meant_in_celsius_is_told_how_to_be_written(
+    material, temperature, hint
+):
+    with pytest.raises(ConfigError, match=r"^voids\.temperature = .*: must be from ") as raised:
+        moist_melt(material, 1e-4, temperature)
+    assert (f'write "{temperature:g} degC"' in str(raised.value)) == hint
+    assert str(raised.value).endswith('; or write "from-card"')

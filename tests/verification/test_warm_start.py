@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.flow.deposition import FlowSolution, solve_deposition
+from fibermelt.flow.continuation import cold_surfaces
+from fibermelt.flow.deposition import LARGEST_ERROR, FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.rescale import rescaled
+from fibermelt.flow.search import SurfaceSearch
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.rheology import Newtonian
 from fibermelt.study.bead.flow import start_from
@@ -147,6 +149,27 @@ def test_a_wide_gap_is_reached_in_steps() -> None:
     assert solve_deposition(longer, COARSE, start=_shape(flow)).contact_point == pytest.approx(
         flow.contact_point, abs=2 * flow.error.contact_point
     )
+
+
+@pytest.mark.slow
+def test_a_melt_that_comes_down_flat_is_found_on_the_fine_mesh() -> None:
+    """A gap of 2.67 bead heights: the coarse meshes on the way dip under the bed, the flow not."""
+    problem = Deposition(Nozzle(gap=8e-3, outlet=40e-3), Newtonian(817.0))
+    flow = solve_deposition(problem)
+    assert flow.upstream_surface[:-1, 1].min() > 0.0
+    # found on a mesh twice as fine too, from a neighbour: 9.504 mm
+    bound = LARGEST_ERROR * problem.nozzle.capillary_width
+    assert flow.contact_point == pytest.approx(9.504e-3, abs=bound)
+
+
+@pytest.mark.slow
+def test_a_gap_beyond_the_last_surface_is_told_its_widest() -> None:
+    """As with half of that outlet: the contact at the widest gap is near 10 mm."""
+    problem = Deposition(Nozzle(gap=9e-3, outlet=40e-3), Newtonian(817.0))
+    with pytest.raises(
+        ConvergenceError, match=r"up to 0\.0081 m at least; .*whatever flow\.outlet"
+    ):
+        cold_surfaces(SurfaceSearch(problem), None)
 
 
 def test_a_surface_under_the_bed_is_none() -> None:

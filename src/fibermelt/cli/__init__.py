@@ -21,7 +21,7 @@ from fibermelt.cli.voids import voids
 __all__ = ["app", "main"]
 
 app = typer.Typer(
-    help="Where a short-fiber polymer bead will void.",
+    help="Where a short-fiber polymer bead will void. Begin with: fibermelt run paper",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

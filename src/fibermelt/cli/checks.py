@@ -17,14 +17,17 @@ FAILED = 1
 
 def verify(
     quick: Annotated[
-        bool, typer.Option("--quick", help="Leave out what takes more than a few seconds.")
+        bool,
+        typer.Option(
+            "--quick", help="Leave out what takes more than a few seconds: about 10 s in all."
+        ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Check this installation against exact solutions and independent paths; exit 1 if one fails.
+    """Check this installation against what is known.
 
-    Each check is a number with a bound that was stated before: an error, or an observed order of
-    convergence.
+    Exact solutions and independent paths: each check is a number with a bound that was stated
+    before, an error or an observed order of convergence. The exit code is 1 if one fails.
     """
     with told():
         from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none

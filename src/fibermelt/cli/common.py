@@ -39,8 +39,18 @@ INTERRUPTED = 130
 ENDED = 143
 """Exit code after a signal to end (128 + SIGTERM)."""
 
+SHIPPED = (
+    "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content, "
+    "population"
+)
+"""The studies that come along, in words: a test holds them to the files that are there."""
+
 StudyArgument = Annotated[
-    str, typer.Argument(help="A study: the path of a TOML file, or a shipped one such as `paper`.")
+    str,
+    typer.Argument(
+        metavar="STUDY",
+        help=f"A study: the path of a TOML file, or one that is shipped ({SHIPPED}).",
+    ),
 ]
 SetOption = Annotated[
     list[str] | None,
@@ -48,7 +58,8 @@ SetOption = Annotated[
         "--set",
         "-s",
         metavar="KEY=VALUE",
-        help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times.',
+        help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times. '
+        "`fibermelt defaults` prints all there are.",
     ),
 ]
 
@@ -63,7 +74,11 @@ OverOption = Annotated[
 ]
 OutOption = Annotated[
     str | None,
-    typer.Option("--out", metavar="DIR", help="Results folder; results/<study> by default."),
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Results folder, made if need be; results/NAME by default, NAME of the study.",
+    ),
 ]
 WorkersOption = Annotated[
     int | None,

@@ -17,29 +17,51 @@ def orbit(
         str, typer.Option(metavar="R", help="Length over width of the fiber, at least 1.")
     ],
     shear_rate: Annotated[
-        str, typer.Option(metavar="RATE", help='Shear rate, such as 1 or "1 1/s".')
+        str, typer.Option(metavar="RATE", help='Shear rate, in 1/s or with a unit: 1 or "1 1/s".')
     ],
     viscosity: Annotated[
-        str, typer.Option(metavar="MU", help='Viscosity of the melt, such as 817 or "817 Pa s".')
+        str,
+        typer.Option(
+            metavar="MU", help='Viscosity of the melt, in Pa s or with a unit: 817 or "817 Pa s".'
+        ),
     ],
     model: Annotated[
         str,
-        typer.Option(metavar="MODEL", help="confined-ellipse, ellipse or spheroid."),
+        typer.Option(
+            metavar="MODEL",
+            help="What answers for the fiber: confined-ellipse, in a cell as the paper has it, or "
+            "ellipse or spheroid, in a melt without end.",
+        ),
     ] = "confined-ellipse",
     domain_size: Annotated[
-        str,
-        typer.Option(metavar="M", help="The cell's radius is M / 2 half-lengths; only confined."),
-    ] = "4",
+        str | None,
+        typer.Option(
+            metavar="M",
+            help="The cell's radius is M / 2 half-lengths, above 2; confined-ellipse only, and 4, "
+            "the paper's, by default.",
+        ),
+    ] = None,
     angle: Annotated[
-        str, typer.Option(metavar="DEG", help="Angle from the flow at the start, in degrees.")
+        str,
+        typer.Option(
+            metavar="ANGLE",
+            help='Angle from the flow at the start, in degrees, or with a unit, such as "0.5 rad". '
+            "Of several angles of the lowest pressure, the first on the way from it is told.",
+        ),
     ] = "0",
     path: Annotated[
         str,
-        typer.Option(metavar="PATH", help="superposition, or newton: the paper's own algorithm."),
+        typer.Option(
+            metavar="PATH",
+            help="superposition, or newton: the paper's own algorithm, confined-ellipse only.",
+        ),
     ] = "superposition",
     as_json: JsonOption = False,
 ) -> None:
-    """Turn one fiber once in simple shear: its period, and the pressure extremes on it."""
+    """Turn one fiber once in simple shear.
+
+    Tells its period, or where it stalls, and the pressure extremes on it over the turn.
+    """
     with told():
         from fibermelt.study.questions.orbit import (  # noqa: PLC0415  lazy, as in run
             OrbitStudy,
@@ -54,7 +76,7 @@ def orbit(
                 shear_rate=read_quantity("--shear-rate", shear_rate, "1/s"),
                 viscosity=read_quantity("--viscosity", viscosity, "Pa s"),
                 model=model,
-                domain_size=read_quantity("--domain-size", domain_size, ""),
+                domain_size=_given("--domain-size", domain_size),
                 angle=read_quantity("--angle", angle, "rad", bare="deg"),
                 path=path,
             )
@@ -62,46 +84,77 @@ def orbit(
         say(json.dumps(answer, indent=1) if as_json else orbit_in_words(answer))
 
 
+def _given(option: str, text: str | None) -> float | None:
+    """Return the pure number that an option says, or None where it is left out."""
+    from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+
+    return None if text is None else read_quantity(option, text, "")
+
+
 RatioOption = Annotated[
-    str, typer.Option("--aspect-ratio", metavar="R", help="Length over width of the fibers.")
+    str,
+    typer.Option(
+        "--aspect-ratio", metavar="R", help="Length over width of the fibers, at least 1."
+    ),
 ]
 ClosureOption = Annotated[
     str,
     typer.Option(
         metavar="NAME",
-        help="linear, quadratic, hybrid, ORS, ORF, ORL, ORW, ORW3, ORE, IBOF, exact; or "
-        "exact-pdf, the distribution itself, which needs none.",
+        help="Closure of the fourth moment: linear, quadratic, hybrid, ORS, ORF, ORL, ORW, ORW3, "
+        "ORE (the paper's), IBOF or exact; or exact-pdf: the distribution, which needs none.",
     ),
 ]
 ConventionOption = Annotated[
     str,
-    typer.Option(metavar="NAME", help="Rate that multiplies C_I: standard, or paper (sqrt(2) it)."),
+    typer.Option(
+        metavar="NAME",
+        help="Rate of deformation that multiplies C_I: standard, sqrt(2 D:D), or paper, sqrt(2) "
+        "times that.",
+    ),
 ]
 
 
 def orientation(
     closure: ClosureOption,
-    interaction: Annotated[
-        str, typer.Option(metavar="C_I", help="Interaction coefficient, above 0.")
-    ],
     aspect_ratio: RatioOption,
+    interaction: Annotated[
+        str | None,
+        typer.Option(
+            metavar="C_I",
+            help="Interaction coefficient, above 0; needed but for ard-rsc, which has b1 to b5.",
+        ),
+    ] = None,
     model: Annotated[
-        str, typer.Option(metavar="NAME", help="folgar-tucker, rsc, iard, pard, mrd or nematic.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Model of the interaction: folgar-tucker, rsc, ard-rsc, iard, pard, mrd or "
+            "nematic.",
+        ),
     ] = "folgar-tucker",
     flow: Annotated[
         str,
         typer.Option(
-            metavar="NAME", help="simple-shear (v_1 = x_2), uniaxial, biaxial, planar or mixed."
+            metavar="NAME",
+            help="Flow: simple-shear (v_1 = x_2), uniaxial, biaxial, planar or mixed.",
         ),
     ] = "simple-shear",
     convention: ConventionOption = "standard",
     parameter: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="What the model takes besides, such as kappa=0.1."),
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="What the model takes besides, such as kappa=0.1; may be given several times.",
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find how the fibers of a suspension lie in a steady flow of unit rate."""
+    """Find how fibers lie in a steady flow.
+
+    Tells the orientation tensor of a suspension that has been in a homogeneous flow for long; the
+    rate of the flow does not matter.
+    """
     with told():
         from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.questions.orientation import (  # noqa: PLC0415
@@ -114,7 +167,7 @@ def orientation(
         answer = run_orientation(
             OrientationStudy(
                 closure=closure,
-                interaction=read_quantity("--interaction", interaction, ""),
+                interaction=_given("--interaction", interaction),
                 aspect_ratio=read_quantity("--aspect-ratio", aspect_ratio, ""),
                 model=model,
                 flow=flow,
@@ -133,12 +186,22 @@ def domain_size(
     closure: ClosureOption = "ORE",
     convention: ConventionOption = "standard",
     interaction: Annotated[
-        str | None, typer.Option(metavar="C_I", help="Interaction coefficient, in the law's place.")
+        str | None,
+        typer.Option(metavar="C_I", help="Interaction coefficient, above 0, in place of a law."),
     ] = None,
-    law: Annotated[str, typer.Option(metavar="NAME", help="bay or phan-thien.")] = "bay",
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Law from content to interaction coefficient: bay (by default) or phan-thien.",
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the cell that stands for a fiber content: where its fiber stalls, fibers lie."""
+    """Find the cell for a fiber content.
+
+    It is the cell whose fiber stalls at the angle at which most fibers of that content lie.
+    """
     with told():
         from fibermelt.study.questions.domain_size import (  # noqa: PLC0415  lazy, as in run
             DomainStudy,
@@ -147,14 +210,13 @@ def domain_size(
         )
         from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415
 
-        given = None if interaction is None else read_quantity("--interaction", interaction, "")
         answer = run_domain_size(
             DomainStudy(
                 aspect_ratio=read_quantity("--aspect-ratio", aspect_ratio, ""),
                 volume_fraction=read_quantity("--volume-fraction", volume_fraction, ""),
                 closure=closure,
                 convention=convention,
-                interaction=given,
+                interaction=_given("--interaction", interaction),
                 law=law,
             )
         )

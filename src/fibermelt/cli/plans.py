@@ -43,7 +43,11 @@ def plan(
     cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Show the cases of a sweep, what they share, what is done, and what the rest will cost."""
+    """Show the cases of a sweep, and run none.
+
+    Tells which stages they share, what of it is done in the results folder, and what the rest will
+    cost.
+    """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
         from fibermelt.study.loading import load_study  # noqa: PLC0415

@@ -17,11 +17,16 @@ __all__ = ["report"]
 def report(
     directory: Annotated[
         str,
-        typer.Argument(metavar="DIR", help="A results folder of `fibermelt run` or `sweep`."),
+        typer.Argument(
+            metavar="DIR", help="Results folder of `fibermelt run` or `fibermelt sweep`."
+        ),
     ],
     as_json: JsonOption = False,
 ) -> None:
-    """Write the report of a finished run or of a sweep: one HTML file that needs nothing else."""
+    """Write the report of a run or a sweep.
+
+    It is DIR/report.html, one file that needs no other; every finished run has one already.
+    """
     with told():
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415

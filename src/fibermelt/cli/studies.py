@@ -34,10 +34,17 @@ def run(
     sets: SetOption = None,
     as_json: JsonOption = False,
     fresh: Annotated[
-        bool, typer.Option("--fresh", help="Compute everything again, whatever is stored.")
+        bool,
+        typer.Option(
+            "--fresh", help="Compute everything again, and replace what is stored and on show."
+        ),
     ] = False,
 ) -> None:
-    """Run a study into a results folder; what is stored there already is reused."""
+    """Run a study into a results folder.
+
+    What is stored there already is reused, so that an interrupted run goes on where it was.
+    Progress goes to standard error, the numbers to standard output.
+    """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
         from fibermelt.study.loading import load_study, replaces_another  # noqa: PLC0415
@@ -101,7 +108,10 @@ def validate(
     over: OverOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Check a study, of a sweep every case, without running it, and say what is wrong with it."""
+    """Check a study, of a sweep every case, without running it.
+
+    Every fault is told on a line of its own. With --json: all parameters as resolved, in SI.
+    """
     with told():
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
@@ -124,7 +134,10 @@ def _counted(cases: int) -> str:
 
 
 def defaults(as_json: JsonOption = False) -> None:
-    """Print every parameter with its default, range, unit, meaning and source, as TOML."""
+    """Print every parameter of a study.
+
+    With its meaning, unit, range, default and source, as TOML: a study file to begin with.
+    """
     with told():
         from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import declarations  # noqa: PLC0415

@@ -113,7 +113,10 @@ def sweep(
     cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run every case of a study with a table [sweep]; what is stored already is reused."""
+    """Run every case of a study with a [sweep].
+
+    What is stored already is reused, and a sweep that was stopped goes on.
+    """
 
     def read() -> tuple[Sweep, Study, Path]:
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
@@ -132,7 +135,10 @@ def resume(
     retry_failed: RetryOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Go on with the sweep of a results folder; what is finished is not computed again."""
+    """Go on with the sweep of a results folder.
+
+    What is finished is not computed again; the study's file is not needed.
+    """
 
     def read() -> tuple[Sweep, Study, Path]:
         from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
@@ -199,7 +205,7 @@ def _in_words(summary: dict[str, Any], folder: Path) -> str:
 
 
 def status(directory: Folder, as_json: JsonOption = False) -> None:
-    """Tell how far the sweep of a results folder is, and why cases failed."""
+    """Tell how far a sweep is, and why cases failed."""
     with told():
         from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
 
@@ -234,7 +240,10 @@ def clean(
     yes: Annotated[bool, typer.Option("--yes", help="Remove it, rather than tell only.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell what of a folder no run on show and no case needs any more; with --yes, remove it."""
+    """Tell what a results folder no longer needs.
+
+    That is what no case of its sweep and no run on show in it needs. With --yes, remove it.
+    """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.status import list_unneeded, remove_unneeded  # noqa: PLC0415
@@ -274,7 +283,10 @@ def collect(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Collect the numbers of all cases into one dataset over what varies."""
+    """Collect the numbers of a sweep in one file.
+
+    All numbers of all cases, as one dataset over what varies.
+    """
     with told():
         if to is not None and not to.strip():
             msg = '--to "": is no name of a file; write one, or leave --to away'

@@ -31,7 +31,7 @@ def options(
 
 
 def version(as_json: JsonOption = False) -> None:
-    """Print the version."""
+    """Print the version of fibermelt."""
     with told():
         from importlib.metadata import version as installed  # noqa: PLC0415  only here
 

@@ -21,20 +21,33 @@ def voids(
         str | None,
         typer.Option(
             metavar="CARD",
-            help="Material card: a shipped one or the path of a TOML file; the study's by default.",
+            help="Material card: abs-cf13, pei, pla, or the path of a TOML file; the study's by "
+            "default.",
         ),
     ] = None,
     moisture: Annotated[
         str | None,
-        typer.Option(metavar="W", help='Moisture over the mass of polymer, such as "0.17 %".'),
+        typer.Option(
+            metavar="W",
+            help='Moisture over the mass of polymer, such as "0.17 %"; the study\'s by default, '
+            "with another card as received.",
+        ),
     ] = None,
     temperature: Annotated[
         str | None,
-        typer.Option(metavar="T", help='Temperature of the melt, such as "230 degC".'),
+        typer.Option(
+            metavar="T",
+            help='Temperature of the melt, such as "230 degC" (a bare number is in K); the '
+            "study's by default, with another card that of printing.",
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell where in the bead of a finished run voids start, and what drying would do."""
+    """Tell where the bead of a finished run can void.
+
+    And what drying would do about it, at the moisture, the temperature or of the material that is
+    asked for. The pressures on fibers stay those of the run. Nothing in DIR is changed.
+    """
     with told():
         from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415

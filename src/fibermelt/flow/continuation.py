@@ -12,7 +12,13 @@ from dataclasses import replace
 from fibermelt.errors import ConvergenceError, MeshError
 from fibermelt.flow.mesh import Surfaces
 from fibermelt.flow.problem import Deposition
-from fibermelt.flow.search import DRAWN_DOWN, SurfaceSearch, UnderBedError, coarse_numerics
+from fibermelt.flow.search import (
+    DRAWN_DOWN,
+    UNDER_BED_COARSE,
+    SurfaceSearch,
+    UnderBedError,
+    coarse_numerics,
+)
 from fibermelt.flow.start import StartShape, surfaces_from
 
 __all__ = ["cold_surfaces"]
@@ -73,20 +79,32 @@ def _opened(search: SurfaceSearch, failure: ConvergenceError) -> Surfaces:
         start = StartShape(surfaces.upstream * width, surfaces.downstream * width)
         numerics = replace(coarse_numerics(problem), tolerance=STEP_TOLERANCE)
         try:
-            _, surfaces = inner.converge(surfaces_from(start, problem), numerics, chords=True)
+            _, surfaces = inner.converge(
+                surfaces_from(start, problem), numerics, chords=True, under_bed=UNDER_BED_COARSE
+            )
             ratio = wider
         except (ConvergenceError, MeshError) as reason:
             step /= 2
             if step < SMALLEST_RATIO_STEP or isinstance(reason, UnderBedError):
-                raise _end_of_steady(failure, ratio * target.mass_balance_height) from reason
+                widest = ratio * target.mass_balance_height
+                raise _end_of_steady(target, widest, reason) from failure
         finally:
             search.count(inner)
     return surfaces
 
 
-def _end_of_steady(failure: ConvergenceError, gap: float) -> ConvergenceError:
-    """Return the search's failure with what continuation has found out about it."""
+def _end_of_steady(problem: Deposition, gap: float, reason: Exception) -> ConvergenceError:
+    """Return what to say of a gap that steps do not reach, the widest being ``gap`` [m]."""
+    goal, height = problem.nozzle.gap, problem.mass_balance_height
+    beyond = (
+        "beyond, it would pass under the bed before it ends on it"
+        if isinstance(reason, UnderBedError)
+        else "beyond, it comes down so flat that its contact runs away from every step"
+    )
     return ConvergenceError(
-        f"{failure}. Opened in steps, the gap has steady surfaces up to {gap:.4g} m; further on "
-        "the melt would pass under the bed before it touches down, or no step is short enough"
+        f"deposition flow: no steady free surface found for flow.gap = {goal:g} m and a bead "
+        f"{height:.4g} m high ({goal / height:.3g} bead heights): opened in steps from a narrower "
+        f"one, the gap has an upstream surface up to {gap:.4g} m at least; {beyond}, whatever "
+        f"flow.outlet; lower flow.gap to {gap:.4g} m or less, lower flow.bed_speed, or raise "
+        "flow.inlet_speed"
     )

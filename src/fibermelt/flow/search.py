@@ -13,7 +13,14 @@ from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 
-__all__ = ["DRAWN_DOWN", "Progress", "SurfaceSearch", "UnderBedError", "coarse_numerics"]
+__all__ = [
+    "DRAWN_DOWN",
+    "UNDER_BED_COARSE",
+    "Progress",
+    "SurfaceSearch",
+    "UnderBedError",
+    "coarse_numerics",
+]
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -39,6 +46,10 @@ MAX_DRAWN_MESHES = 5
 UNDER_BED = 1e-6
 """A surface this many widths below the bed before its contact passes through the bed. Its foot
 then lies 0.01 widths from where it touches first, half of the largest error."""
+
+UNDER_BED_COARSE = 1e-3
+"""The same on a coarse mesh: where the melt comes down flat, its own error dips the surface by some
+1e-4. It is only a start: what passes under the bed is for the fine mesh to say."""
 
 STEPS_A_COARSE_MESH = 4
 """Newton steps before the coarse mesh is made anew on the surfaces found."""
@@ -189,11 +200,16 @@ class SurfaceSearch:
         raise self._no_steady_surface(surfaces)
 
     def converge(
-        self, surfaces: Surfaces, numerics: FlowNumerics, chords: bool = False
+        self,
+        surfaces: Surfaces,
+        numerics: FlowNumerics,
+        chords: bool = False,
+        under_bed: float = UNDER_BED,
     ) -> tuple[FreeSurfaceFlow, Surfaces]:
         """Return the flow on a fine mesh, converged to the tolerance, and its surfaces.
 
-        With ``chords`` a factorisation serves on while every step is a small part of the last.
+        With ``chords`` a factorisation serves on while every step is a small part of the last;
+        ``under_bed`` is how far below the bed [widths] the upstream surface may pass.
         """
         flow = self.start(surfaces, numerics)
         reuse, last = False, 1.0
@@ -201,7 +217,7 @@ class SurfaceSearch:
             step = self.step(flow, reuse=reuse)
             steps = f"{taken} steps"
             if step.size < numerics.tolerance and step.fraction == 1.0:
-                self._check_bed(flow)
+                self._check_bed(flow, under_bed)
                 return flow, self.surfaces(flow)
             if step.fraction == 0.0:
                 break  # nothing was moved: the next step would be the same
@@ -218,11 +234,11 @@ class SurfaceSearch:
         )
         raise ConvergenceError(msg)
 
-    def _check_bed(self, flow: FreeSurfaceFlow) -> None:
+    def _check_bed(self, flow: FreeSurfaceFlow, deepest: float) -> None:
         """Raise if the upstream surface passes under the bed before it ends on it."""
         line = flow.surface("upstream", np.array([-0.5, self.nozzle.gap]))
         lowest = line[line[:, 1].argmin()] * self.problem.nozzle.capillary_width
-        if line[:, 1].min() < -UNDER_BED:
+        if line[:, 1].min() < -deepest:
             height, gap = self.problem.mass_balance_height, self.problem.nozzle.gap
             msg = (
                 f"deposition flow: with flow.gap = {gap:g} m and a bead {height:.4g} m high "
@@ -246,9 +262,8 @@ class SurfaceSearch:
         nozzle, height = self.problem.nozzle, self.problem.mass_balance_height
         return ConvergenceError(
             "deposition flow: the contact point ran into the outlet at flow.outlet = "
-            f"{nozzle.outlet:g} m: with flow.gap = {nozzle.gap:g} m and a bead {height:.4g} m high "
-            "the melt falls rather than being laid down; lower flow.gap below two bead heights "
-            f"({2 * height:.4g} m), or raise flow.outlet"
+            f"{nozzle.outlet:g} m: flow.gap = {nozzle.gap:g} m is {nozzle.gap / height:.3g} times "
+            f"the bead's height of {height:.4g} m; lower flow.gap or raise flow.outlet"
         )
 
     def _no_steady_surface(self, surfaces: Surfaces) -> ConvergenceError:

@@ -11,8 +11,8 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.judged import tally
-from fibermelt.report.risk import advice
 from fibermelt.report.tables import fixed, short
+from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.summary import worst_line
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from fibermelt.report.answer import answer
 from fibermelt.report.embed import embed_figures
 from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
-from fibermelt.report.stored import read_finished
 from fibermelt.study.files import replace_file
+from fibermelt.study.finished import read_finished
 from fibermelt.study.schema import REPORT
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Where the bead can void, in tables, and what would keep it from that, in a sentence."""
+"""Where the bead can void: vapor pressure, lowest pressures and profile, in tables."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from fibermelt.report.tables import Column, fixed, folded, number, percent, short, table
+from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.summary import worst_line
-from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["advice", "voids"]
+__all__ = ["voids"]
 
 MM, MPA, MS, NM, PERCENT = 1e3, 1e-6, 1e3, 1e9, 100.0
 """From SI to the units of the page."""
@@ -32,44 +32,8 @@ WHOSE = {
 """Whose lowest pressure, in words; what is not here is a share of isotropic fibers."""
 
 
-def advice(found: Mapping[str, Any]) -> str:
-    """Return what would keep the bead free of voids, in a sentence.
-
-    Stokes flow of a Newtonian melt has all pressures over the air's in proportion to the speeds:
-    by ``p_air / (p_air - P_L)`` of them the lowest absolute pressure ``P_L`` < 0 is zero.
-
-    Parameters
-    ----------
-    found : mapping
-        What summary.json has under ``"voids"``.
-    """
-    critical, lowest = found["critical_moisture"], found["lowest_pressure"]
-    if lowest is None:
-        return "Not told: every streamline passes a singular corner; follow more of them."
-    if critical is None:
-        return "Nothing: no moisture that the polymer can hold starts a void."
-    if critical > 0:
-        below = f"below {number(PERCENT * critical, 2)} % moisture no void starts on any fiber"
-        if found["moisture"] < critical:
-            return f"Keep it this dry: {below}."
-        return f"Dry the material: {below}."
-    slower = percent(ATMOSPHERE / (ATMOSPHERE - lowest), 0)
-    tension = (
-        "at fibers in their worst direction the melt is under tension, which no drying helps, "
-        f"until both speeds are below {slower} % of these"
-    )
-    alone = found["by_basis"]["melt"]["critical_moisture"]
-    if not alone or found["moisture"] < alone:
-        return f"Slow down: {tension}."
-    return (
-        f"Dry below {number(PERCENT * alone, 2)} %, so that the melt between the fibers cannot "
-        f"boil, and slow down: {tension}."
-    )
-
-
 def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return where the bead can void: vapor pressure, lowest pressures, profile, assumptions."""
-    del results
     found = summary["voids"]
     words = Markup(
         "<p>{} % moisture in {} at {:.0f} °C has a vapor pressure of {} MPa; saturated, at {} %, "
@@ -87,7 +51,7 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     return Markup().join(
         [
             words,
-            _nucleation(found),
+            _nucleation(found, float(results["void_threshold"])),
             Markup("<p>What to do. {}</p>\n").format(advice(found)),
             _by_basis(found),
             _profile(found),
@@ -97,21 +61,24 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     )
 
 
-def _nucleation(found: Mapping[str, Any]) -> Markup:
-    """Return what a bubble without any gas to start from would take."""
+def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
+    """Return what a bubble without any gas to start from would take.
+
+    ``threshold`` is log10 of the rate that counts as its onset, as ``log10_rate`` is.
+    """
     worst = worst_line(found)
     if worst is None or not worst["critical_radius"]:
         return Markup()
-    rate = worst["log10_rate"]
     told = f"A new bubble there would have to reach {NM * worst['critical_radius']:.0f} nm."
+    rate, wetting = worst["log10_rate"], worst["required_wetting"]
+    starts = rate is not None and rate >= threshold
     if rate is not None:
         told += (
-            " The classical rate of nucleation, in 1/(m³ s), has the decimal logarithm "
-            f"{number(rate, 3)}: none."
-            if rate < 0
-            else f" The classical rate of nucleation is 10 to the {number(rate, 3)} 1/(m³ s)."
+            " The classical rate of nucleation in the melt itself, in 1/(m³ s), has the decimal "
+            f"logarithm {number(rate, 3)}; counted as onset is {number(threshold, 3)}: "
+            f"{'bubbles start' if starts else 'none starts'}."
         )
-    if (wetting := worst["required_wetting"]) is not None:
+    if wetting is not None and not starts:
         told += (
             " It starts only on a surface that leaves no more than "
             f"{number(PERCENT * wetting, 2)} % of the barrier"

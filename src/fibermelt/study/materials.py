@@ -37,6 +37,7 @@ from fibermelt.study.parameters import (
     excerpt,
     flatten,
 )
+from fibermelt.units import celsius_meant
 from fibermelt.voids.diffusion import Arrhenius
 from fibermelt.voids.han import HanConstants
 from fibermelt.voids.melt import VolatileMelt
@@ -233,7 +234,8 @@ def _line(fault: ErrorDetails, values: Mapping[str, Any], known: Mapping[str, De
     if kind in _RANGE_FAULTS:
         name = _RANGE_FAULTS[kind]
         bound = f"{dict(declaration.bounds)[name]:g} {declaration.unit}".rstrip()
-        return f"{written}: must be {BOUNDS[name]} {bound}"
+        meant = celsius_meant(fault["input"], declaration.unit)
+        return f"{written}: must be {BOUNDS[name]} {bound}{meant}"
     reason = fault["ctx"]["error"] if kind == "value_error" else "is no quantity"
     return f'{written}: {reason}; write it as "{declaration.example}"'
 

@@ -63,8 +63,10 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
         bound = f"must be {BOUNDS[name]} {bounds[name]:g} {declaration.unit}".rstrip()
         return bound + (f" ({declaration.hints[name]})" if name in declaration.hints else "")
     if kind == "value_error":
+        said = str(fault["ctx"]["error"])
+        # Who is told how to write this very value needs no example of another.
         wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
-        return f"{fault['ctx']['error']}{wanted}"
+        return said if "degrees Celsius" in said else f"{said}{wanted}"
     if kind == "literal_error":
         each = "each must be " if declaration.is_list else "must be "
         return each + declaration.range.removeprefix("each ")

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 from pydantic.fields import FieldInfo
 
 from fibermelt.errors import ConfigError, legible
-from fibermelt.units import parse
+from fibermelt.units import celsius_meant, parse
 
 __all__ = [
     "Declaration",
@@ -173,6 +173,7 @@ def _refuse_beyond(value: object, extra: Mapping[str, Any], which: str = "") -> 
         if isinstance(value, (int, float)) and not _HOLDS[name](value, bound):
             hint = f" ({extra['hints'][name]})" if name in extra["hints"] else ""
             limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip() + hint
+            limit += celsius_meant(value, extra["unit"])
             raise ValueError(f"{which}: {limit}" if which else limit)
 
 

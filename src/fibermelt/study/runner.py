@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import legible
+from fibermelt.errors import DamagedError, legible
 from fibermelt.software import versions_of
 from fibermelt.study.files import canonical, digest, write_through
 from fibermelt.study.netcdf import to_bytes
@@ -19,7 +19,7 @@ from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
 from fibermelt.study.schema import REPORT, SCHEMA
 from fibermelt.study.stages import Stage, keys, stage_parameters
-from fibermelt.study.store import Record, Store
+from fibermelt.study.store import Record, Store, stage_name
 from fibermelt.study.toml import resolved_toml
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def run_study(
     report : callable, optional
         Makes the report; without it there is none.
     fresh : bool
-        Whether to compute every stage again, and replace what is stored, damaged or not.
+        Whether to compute every stage again, and replace all that is stored and on show.
     observer : Observer, optional
         Who is told how it goes.
 
@@ -78,8 +78,9 @@ def run_study(
     Raises
     ------
     FibermeltError
-        If a stage has no answer, or the folder cannot be read or written. Stages that were
-        finished before stay, and the next run goes on from them.
+        If a stage has no answer, the folder cannot be read or written, or a file on show was
+        changed. Stages that were finished before stay, and the next run goes on from them; one
+        that is damaged is computed anew.
     """
     run = _Run(study, chain, draw, report, observer or Silent(), time.perf_counter())
     store = Store.open(directory, fresh=fresh)
@@ -105,27 +106,43 @@ class _Run:
         stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
         key = self._key(stage_keys)
-        found: dict[str, Record | None] = {
-            name: None if fresh else store.find(name, stage_key)
-            for name, stage_key in stage_keys.items()
-        }
-        if not fresh and store.published(key, but=self.study.path) and all(found.values()):
+        found = {} if fresh else self._stored(store, stage_keys)
+        if (
+            not fresh
+            and store.published(key, but=self.study.path)
+            and all(map(found.get, stage_keys))
+        ):
             self.observer.done("study", "nothing has changed: all results are up to date")
             summary: dict[str, Any] = json.loads((store.directory / "summary.json").read_bytes())
             return summary
         data: dict[str, xr.Dataset] = {}
         cost: dict[str, float] = {}
         for stage in stages:
-            record = found[stage.name]
+            record = found.get(stage.name)
             if record is not None:
                 data[stage.name] = store.load(record)
                 self.observer.done(stage.name, f"reused (took {record.cost:.1f} s when computed)")
             else:
                 record, data[stage.name] = self._compute(stage, stage_keys, data)
-                record = store.save(record, data[stage.name], replace=fresh)
+                # What is damaged is not in what was found: it makes room, as all does afresh.
+                record = store.save(record, data[stage.name], replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
             cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
+
+    def _stored(self, store: Store, stage_keys: Mapping[str, str]) -> dict[str, Record | None]:
+        """Return the record of each stage, None where there is none; what is damaged is left out.
+
+        A damaged stage costs no more than one that is missing: it is told of, and computed anew.
+        """
+        found = {}
+        for name, key in stage_keys.items():
+            try:
+                found[name] = store.find(name, key)
+            except DamagedError:
+                told = f"{stage_name(name, key)} is damaged: it is computed anew"
+                self.observer.done("store", told)
+        return found
 
     def _compute(
         self, stage: Stage, stage_keys: Mapping[str, str], data: Mapping[str, xr.Dataset]

@@ -21,7 +21,7 @@ from dataclasses import replace as changed
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import StoreError
+from fibermelt.errors import DamagedError, StoreError, legible
 from fibermelt.study.files import (
     digest,
     locked,
@@ -40,10 +40,13 @@ from fibermelt.study.schema import SCHEMA, refuse_foreign
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Record", "Store"]
+__all__ = ["Record", "Store", "not_as_written", "stage_name"]
 
 KEY_LENGTH = 20
 """Digits of a key in a file name: 80 bits; the record holds, and is checked for, all of them."""
+
+LONGEST_PATH = 4096
+"""Characters of a path that a message repeats: as many as Linux allows."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +136,7 @@ class Store:
 
         Raises
         ------
-        StoreError
+        DamagedError
             If it is there but damaged.
         """
         folder = self._folder(stage, key)
@@ -141,7 +144,7 @@ class Store:
             return None
         record = self._read_record(folder)
         if record.key != key:
-            raise _damaged(folder / "record.json")
+            raise _damaged_stage(folder / "record.json")
         self._read_data(record)
         return record
 
@@ -157,7 +160,7 @@ class Store:
 
         Raises
         ------
-        StoreError
+        DamagedError
             If they are damaged.
         """
         return from_bytes(self._read_data(record))
@@ -215,7 +218,7 @@ class Store:
 
         Raises
         ------
-        StoreError
+        DamagedError
             If one of them was changed since it was written: it is not overwritten silently.
         """
         manifest = self._stages / "outputs.json"
@@ -225,7 +228,7 @@ class Store:
             try:
                 content = read_sealed(manifest)
             except ValueError as error:
-                raise _damaged(manifest) from error
+                raise not_as_written(manifest) from error
             complete = True
             for name, expected in content["files"].items():
                 path = self.directory / name
@@ -233,7 +236,7 @@ class Store:
                     complete = False
                 elif digest(path.read_bytes()) != expected:
                     if but is None or not path.samefile(but):
-                        raise _damaged(path)
+                        raise not_as_written(path)
                     complete = False
             return complete and bool(content["run"] == run)
 
@@ -286,7 +289,7 @@ class Store:
         manifest.unlink(missing_ok=True)
 
     def _folder(self, stage: str, key: str) -> Path:
-        return self._stages / f"{stage}-{key[:KEY_LENGTH]}"
+        return self._stages / stage_name(stage, key)
 
     def _read(self, path: Path) -> bytes:
         with storage_errors(path):
@@ -294,20 +297,36 @@ class Store:
 
     def _read_record(self, folder: Path) -> Record:
         path = folder / "record.json"
+        if not path.exists():
+            raise _damaged_stage(path)
         try:
             return Record(**read_sealed(path))
-        except (ValueError, TypeError, StoreError) as error:
-            raise _damaged(path) from error
+        except (ValueError, TypeError) as error:
+            raise _damaged_stage(path) from error
 
     def _read_data(self, record: Record) -> bytes:
         path = self._folder(record.stage, record.key) / "data.nc"
         if not path.exists() or digest(data := self._read(path)) != record.data:
-            raise _damaged(path)
+            raise _damaged_stage(path)
         return data
 
 
-def _damaged(path: Path) -> StoreError:
-    return StoreError(
-        f"{path}: is damaged, or was changed since it was written; run again with --fresh to "
-        "compute and write it anew"
+def stage_name(stage: str, key: str) -> str:
+    """Return the name of the folder of a finished stage."""
+    return f"{stage}-{key[:KEY_LENGTH]}"
+
+
+def not_as_written(path: Path) -> DamagedError:
+    """Return what to say of a file on show that is not what a run wrote, and how to mend it."""
+    return DamagedError(
+        f"{legible(str(path), LONGEST_PATH)}: is damaged, or was changed since it was written; "
+        "move it away and run the study again: it is written anew from the stages that are stored "
+        "(--fresh computes these anew too)"
+    )
+
+
+def _damaged_stage(path: Path) -> DamagedError:
+    return DamagedError(
+        f"{legible(str(path), LONGEST_PATH)}: is damaged, or was changed since it was written; run "
+        "again: this stage alone is computed anew"
     )

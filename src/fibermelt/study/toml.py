@@ -106,13 +106,16 @@ def _with_headings(
 
 def _described(declaration: Declaration) -> str:
     """Return meaning, unit, range and source in one paragraph."""
-    unit = f" [{declaration.unit}]" if declaration.unit else ""
-    sentence = declaration.doc.removesuffix(".") + unit
+    sentences = [declaration.doc.removesuffix(".")]
+    if declaration.unit:
+        sentences.append(f"Unit: {declaration.unit}")
     if declaration.range:
-        sentence += f", {declaration.range}"
+        sentences.append(f"{'Choices' if declaration.choices else 'Range'}: {declaration.range}")
     if declaration.written is None:
-        sentence += "; may be left out"
-    return sentence + (f". Source: {declaration.source}." if declaration.source else ".")
+        sentences.append("May be left out")
+    if declaration.source:
+        sentences.append(f"Source: {declaration.source}")
+    return ". ".join(sentences) + "."
 
 
 def _comment(text: str) -> list[str]:

@@ -10,12 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from fibermelt.errors import ConfigError
 from fibermelt.study.orientation.stages import (
     folgar_tucker,
     interaction_coefficient,
     preferred_angle,
 )
 from fibermelt.study.questions.orientation import check_closure
+
+PAPER_LAW = "bay"
+"""The law of the paper's section 2.5."""
 
 __all__ = ["DomainStudy", "domain_in_words", "run_domain_size"]
 
@@ -34,8 +38,9 @@ class DomainStudy:
         As in `fibermelt.study.questions.orientation.OrientationStudy`.
     interaction : float, optional
         ``C_I`` [-]; from the law if not given.
-    law : str
-        One of `fibermelt.orientation.interaction.INTERACTION_LAWS`.
+    law : str, optional
+        One of `fibermelt.orientation.interaction.INTERACTION_LAWS`; the paper's, ``"bay"``, if
+        neither it nor the coefficient is given. Not both.
     """
 
     aspect_ratio: float
@@ -43,7 +48,7 @@ class DomainStudy:
     closure: str = "ORE"
     convention: str = "standard"
     interaction: float | None = None
-    law: str = "bay"
+    law: str | None = None
 
 
 def run_domain_size(study: DomainStudy) -> dict[str, Any]:
@@ -75,12 +80,16 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
 
     check_closure(study.closure)
     content = study.volume_fraction, study.aspect_ratio
-    concentration, law = regime(*content), interaction_law(study.law)
+    concentration, law = regime(*content), interaction_law(study.law or PAPER_LAW)
     if study.interaction is not None:
+        if study.law is not None:
+            msg = (
+                f"interaction = {study.interaction:g} with law = {law.name}: the law is for who "
+                "has no coefficient: give one of the two"
+            )
+            raise ConfigError(msg)
         checked_interaction(study.interaction)
-    interaction = interaction_coefficient(
-        study.interaction, study.law, study.volume_fraction, study.aspect_ratio
-    )
+    interaction = interaction_coefficient(study.interaction, law.name, *content)
     model = folgar_tucker(study.aspect_ratio, interaction, study.convention)
     angle = preferred_angle(model, study.closure)
     curve = stall_curve(study.aspect_ratio)

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["PATHS", "OrbitStudy", "orbit_in_words", "read_quantity", "run_orbit"]
 
+PAPER_DOMAIN = 4.0
+"""The paper's domain-size factor ``M`` [-], section 2.5."""
+
 PATHS = ("superposition", "newton")
 """Ways to the answer: the cell's two flows, exact in the angle, or the paper's own algorithm."""
 
@@ -51,8 +54,9 @@ class OrbitStudy:
         ``mu`` of the melt [Pa s], positive.
     model : str
         One of `fibermelt.fiber.models.MODELS`.
-    domain_size : float
-        ``M`` of the confined ellipse [-], above 2; the other models have no cell and ignore it.
+    domain_size : float, optional
+        ``M`` of the confined ellipse [-], above 2; the paper's if not given. The other models have
+        no cell, and take none.
     angle : float
         Angle from the flow direction at the start [rad].
     path : str
@@ -63,7 +67,7 @@ class OrbitStudy:
     shear_rate: float
     viscosity: float
     model: str = "confined-ellipse"
-    domain_size: float = 4.0
+    domain_size: float | None = None
     angle: float = 0.0
     path: str = "superposition"
 
@@ -118,9 +122,10 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     dict
         ``period`` [s] (None if it stalls), ``period_jeffery`` [s], ``shape_factor``, ``stalls``,
         ``stall_angle`` [rad], pressures relative to the far field's [Pa] over the orbit (half a
-        turn if it stalls), ``angle_at_min`` and ``where_at_min`` [rad], and ``cost``: the seconds
-        of the cell, the orbit and both, the orientations that were sampled and the linear solves
-        they took (none where the answer is exact).
+        turn if it stalls), ``angle_at_min`` and ``where_at_min`` [rad] (None for a circle or a
+        sphere, which has the same lowest pressure at every angle), and ``cost``: the seconds of
+        the cell, the orbit and both, the orientations that were sampled and the linear solves they
+        took (none where the answer is exact).
 
     Raises
     ------
@@ -145,6 +150,12 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
             f'"{study.model}" has not: take model "confined-ellipse", or path "superposition"'
         )
         raise ConfigError(msg)
+    if study.model != "confined-ellipse" and study.domain_size is not None:
+        msg = (
+            f'domain_size = {study.domain_size:g} with model = "{study.model}": that model has no '
+            'cell, which a domain size could be of: drop it, or take model "confined-ellipse"'
+        )
+        raise ConfigError(msg)
     found, cell, turn = _newton(study) if newton else _superposition(study)
     cost = {
         "cell": cell,
@@ -153,7 +164,15 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
         "steps": found.steps,
         "solves": found.solves,
     }
-    return {**{key: getattr(found, key) for key in KEYS}, "cost": cost}
+    answer = {key: getattr(found, key) for key in KEYS}
+    if study.aspect_ratio == 1.0:
+        # A circle has no direction: which angle comes out lowest is rounding.
+        answer |= {"angle_at_min": None, "where_at_min": None}
+    return {**answer, "cost": cost}
+
+
+def _domain(study: OrbitStudy) -> float:
+    return PAPER_DOMAIN if study.domain_size is None else study.domain_size
 
 
 def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
@@ -169,7 +188,7 @@ def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
 
         start = perf_counter()
         numerics = CellNumerics(estimate=False)
-        model = confined_model(solve_cell(fiber, study.domain_size, numerics).response)
+        model = confined_model(solve_cell(fiber, _domain(study), numerics).response)
     else:
         start = perf_counter()
         model = unbounded_model("ellipse" if study.model == "ellipse" else "spheroid", fiber)
@@ -185,7 +204,7 @@ def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     start = perf_counter()
-    system = build_system(Ellipse(1.0, study.aspect_ratio), study.domain_size)
+    system = build_system(Ellipse(1.0, study.aspect_ratio), _domain(study))
     middle = perf_counter()
     found = orbit_newton(system, study.shear_rate, study.viscosity, study.angle)
     return found, middle - start, perf_counter() - middle
@@ -198,18 +217,24 @@ def orbit_in_words(answer: Mapping[str, Any]) -> str:
         turning = f"none: it stalls at {math.degrees(answer['stall_angle']):.3f} deg ({jeffery})"
     else:
         turning = f"{answer['period']:.6g} s ({jeffery})"
+    return "\n".join(
+        [
+            f"shape factor    {round(answer['shape_factor'], 6) + 0.0:.6f}",
+            f"period          {turning}",
+            f"surface         {answer['min_pressure']:.6g} to {answer['max_pressure']:.6g} Pa",
+            f"tips            {answer['tip_min']:.6g} to {answer['tip_max']:.6g} Pa",
+            f"lowest          {_lowest(answer)}",
+            f"cost            {answer['cost']['total']:.2f} s",
+        ]
+    )
+
+
+def _lowest(answer: Mapping[str, Any]) -> str:
+    """Return where the lowest pressure is met, in words."""
+    if answer["angle_at_min"] is None:
+        return "at every angle alike: a fiber of aspect ratio 1 has no direction"
     # the sum takes the sign off a zero
     angle, where = (
         round(math.degrees(answer[key]), 2) + 0.0 for key in ("angle_at_min", "where_at_min")
     )
-    return "\n".join(
-        [
-            f"shape factor    {answer['shape_factor']:.6f}",
-            f"period          {turning}",
-            f"surface         {answer['min_pressure']:.6g} to {answer['max_pressure']:.6g} Pa",
-            f"tips            {answer['tip_min']:.6g} to {answer['tip_max']:.6g} Pa",
-            f"lowest          at {angle:.2f} deg to the flow, at the eccentric angle {where:.2f} "
-            "deg",
-            f"cost            {answer['cost']['total']:.2f} s",
-        ]
-    )
+    return f"at {angle:.2f} deg to the flow, at the eccentric angle {where:.2f} deg"

@@ -39,8 +39,8 @@ class OrientationStudy:
     ----------
     closure : str
         One of `fibermelt.orientation.closures.CLOSURES`, or ``"exact-pdf"``: the distribution.
-    interaction : float
-        ``C_I`` [-], positive.
+    interaction : float or None
+        ``C_I`` [-], positive; None for a model that has coefficients of its own in its place.
     aspect_ratio : float
         ``r_e`` [-], at least one.
     model : str
@@ -54,7 +54,7 @@ class OrientationStudy:
     """
 
     closure: str
-    interaction: float
+    interaction: float | None
     aspect_ratio: float
     model: str = "folgar-tucker"
     flow: str = "simple-shear"
@@ -150,18 +150,21 @@ def _model(study: OrientationStudy) -> OrientationModel:
     if study.aspect_ratio < 1.0:
         msg = f"fiber.aspect_ratio = {study.aspect_ratio:g}: must be at least 1 (length over width)"
         raise ConfigError(msg)
-    given: dict[str, Any] = {
-        "shape_factor": jeffery_factor(study.aspect_ratio),
-        "interaction": checked_interaction(study.interaction),
-        "convention": study.convention,
-    }
     names = [one.name for one in fields(kind)]
-    if "interaction" not in names:
+    if "convention" not in names:
         msg = (
-            f"--model {study.model}: has not one C_I: take folgar-tucker or another, or use "
-            "it in Python (fibermelt.orientation.models)"
+            f"--model {study.model}: without interaction there is nothing to find: in shear fibers "
+            "tumble on and on, in elongation all come to lie along it; take another model"
         )
         raise ConfigError(msg)
+    given: dict[str, Any] = {
+        "shape_factor": jeffery_factor(study.aspect_ratio),
+        "convention": study.convention,
+    }
+    if ("interaction" in names) != (study.interaction is not None):
+        raise ConfigError(_one_too_many_or_few(study, names))
+    if study.interaction is not None:
+        given["interaction"] = checked_interaction(study.interaction)
     own = [one for one in fields(kind) if one.name not in SHAPE]
     known = [one.name for one in own]
     if unknown := [name for name in study.parameters if name not in known]:
@@ -174,6 +177,17 @@ def _model(study: OrientationStudy) -> OrientationModel:
         msg = f"--model {study.model}: takes {', '.join(known)} besides: add {wanted}"
         raise ConfigError(msg)
     return kind(**given, **study.parameters)
+
+
+def _one_too_many_or_few(study: OrientationStudy, names: Sequence[str]) -> str:
+    """Return what to say of a C_I that the model needs, or has not."""
+    if "interaction" in names:
+        return f"--model {study.model}: needs --interaction C_I, such as 0.0128"
+    own = [name for name in names if name not in SHAPE]
+    return (
+        f"--interaction with --model {study.model}: the model has {', '.join(own)} in its place: "
+        f"drop --interaction, and give --parameter {own[0]}=..."
+    )
 
 
 def _distribution(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
 from fibermelt.study.finished import finished_results
+from fibermelt.study.materials import load_card
 from fibermelt.study.voids.config import Voids
 from fibermelt.study.voids.melt import FROM_CARD, MoistMelt, moist_melt
 from fibermelt.study.voids.stages import assess_bead, with_orientation
@@ -57,7 +59,8 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
     Returns
     -------
     dict
-        The ``"voids"`` of `fibermelt.study.voids.summary.summarize_voids`.
+        The ``"voids"`` of `fibermelt.study.voids.summary.summarize_voids`; with ``"held"``, a
+        sentence, where material or temperature are not those of the run, whose pressures stay.
 
     Raises
     ------
@@ -80,7 +83,21 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
     viscosity = study["melt"]["viscosity"]
     fed = STAGES + with_orientation({"study.parts": tuple(study["study"]["parts"])})
     found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
-    return _summary(found, results)
+    answer = _summary(found, results)
+    if (melt.card.key, melt.temperature) != _of_study(usual):
+        answer["held"] = (
+            f"the local pressures, those of the run's melt, melt.viscosity = {viscosity:g} Pa s; "
+            "for those of the melt that is asked for, give its viscosity there: fibermelt run "
+            f"{shlex.quote(str(directory / 'config.toml'))} --set melt.viscosity=... --set "
+            f'voids.temperature="{melt.temperature:g} K" --out ...'
+        )
+    return answer
+
+
+def _of_study(usual: Voids) -> tuple[str, float]:
+    """Return the card and the temperature [K] of the study's melt."""
+    card = load_card(usual.material)
+    return card.key, card.temperature if usual.temperature == FROM_CARD else usual.temperature
 
 
 def _asked(question: VoidQuestion, usual: Voids) -> MoistMelt:

@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from fibermelt.errors import FibermeltError, StoreError
+from fibermelt.errors import DamagedError, FibermeltError, StoreError
 from fibermelt.study.runner import software_versions
 from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
-from fibermelt.study.store import KEY_LENGTH, Record, Store
+from fibermelt.study.store import Record, Store, stage_name
 from fibermelt.study.sweep.collection import Kept, Reduced, reduce_results, stack
 from fibermelt.study.sweep.store import CaseStore, Failure, claimed
 
@@ -265,10 +265,8 @@ class _Worker:
         try:
             record = self._store.find(name, key)
             return None if record is None else self._store.load(record)
-        except StoreError as error:
-            if isinstance(error.__cause__, OSError):
-                raise
-            self._mended = f"{name}-{key[:KEY_LENGTH]} was damaged: computed anew"
+        except DamagedError:
+            self._mended = f"{stage_name(name, key)} was damaged: computed anew"
             return None
 
     def _remember(self, key: str, data: xr.Dataset) -> _Held:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.materials import Card, load_card, material_names
+from fibermelt.units import ZERO_CELSIUS, celsius_meant, in_celsius
 from fibermelt.voids.checks import checked_moisture
 
 __all__ = ["FROM_CARD", "MoistMelt", "moist_melt"]
@@ -81,21 +82,35 @@ def moist_melt(
         if gap := card.melt.gaps.get("isotherm"):
             msg = f"{card.name}: {gap}"
             raise ConfigError(msg)
-    instead = '; or write "from-card"' if said == STUDY else ""
     T = card.temperature if temperature == FROM_CARD else temperature
     w = card.moisture if moisture == FROM_CARD else moisture
     if w is None:
         msg = f"{said}moisture: the card of {card.name} has none: give one, such as 0.1 %"
         raise ConfigError(msg)
-    with _named(said, "temperature", instead):
+    try:
         saturation = card.melt.saturation_content(T)
+    except ConfigError as error:
+        instead = '; or write "from-card"' if said == STUDY else ""
+        msg = f"{said}{error}{_meant(card, T)}{instead}"
+        raise ConfigError(msg) from error
     with _named(said, "moisture"):
         checked_moisture(w, saturation, np.asarray(T))
     return MoistMelt(card, w, T, math.log10(threshold_rate))
 
 
+def _meant(card: Card, temperature: float) -> str:
+    """Return how to write a temperature that the card allows in degrees Celsius; else nothing."""
+    if temperature < ZERO_CELSIUS:
+        return celsius_meant(temperature, "K")
+    try:
+        card.melt.saturation_content(temperature + ZERO_CELSIUS)
+    except ConfigError:
+        return ""
+    return in_celsius(temperature)
+
+
 @contextmanager
-def _named(said: str, name: str, way_out: str = "") -> Iterator[None]:
+def _named(said: str, name: str) -> Iterator[None]:
     """Have every line of what is wrong with a value start with its key."""
     try:
         yield
@@ -105,4 +120,4 @@ def _named(said: str, name: str, way_out: str = "") -> Iterator[None]:
             f"{said}{line}" if line.startswith(f"{name} =") else f"{said}{name}: {line}"
             for line in lines
         )
-        raise ConfigError(msg + way_out) from error
+        raise ConfigError(msg) from error

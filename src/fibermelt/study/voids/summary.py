@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.voids.advice import advice
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -59,6 +61,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
             },
             "moisture": float(results["void_moisture"]),
             "temperature": float(results["void_temperature"]),
+            "threshold_rate": float(10.0 ** results["void_threshold"]),
             "saturation_moisture": float(results["void_saturation_moisture"]),
             "saturation_pressure": float(results["void_saturation_pressure"]),
             "vapor_pressure": float(results["void_vapor_pressure"]),
@@ -172,7 +175,8 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     Parameters
     ----------
     summary : mapping
-        With the content of `summarize_voids`.
+        With the content of `summarize_voids`, and ``"held"`` in it where it is of a run with
+        another melt.
     """
     voids = summary["voids"]
     celsius = voids["temperature"] - 273.15
@@ -183,10 +187,12 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     ]
     worst = worst_line(voids)
     if worst is None:
-        lines.append("lowest pressure not told: every streamline passes a singular corner")
+        lines.append("lowest local    not told: every streamline passes a singular corner")
     else:
         lines += _worst(voids, worst)
-        lines.append(f"drying          {_drying(voids)}")
+    lines.append(f"what to do      {advice(voids)}")
+    if "held" in voids:
+        lines.append(f"held            {voids['held']}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]
     if estimates := voids["material"]["estimates"]:
         lines.append(f"estimates       {', '.join(estimates)}")
@@ -208,12 +214,8 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
         "mm up in the bead",
         f"                {in_space / 1e6:.3f} MPa on an unbounded spheroid in space",
     ]
-    if (wetting := worst["required_wetting"]) is not None and worst["critical_radius"]:
-        lines.append(
-            f"nucleation      critical radius {1e9 * worst['critical_radius']:.0f} nm; starts "
-            f"where a surface leaves {100 * wetting:.2g} % of the homogeneous barrier (log10 rate "
-            f"{worst['log10_rate']:.3g})"
-        )
+    if nucleation := _nucleation(voids, worst):
+        lines.append(f"nucleation      {nucleation}")
     layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]
     first, last = layers[0], layers[-1]
     deepest = min(layers, key=lambda layer: float(layer["mean_pressure"]))
@@ -225,16 +227,17 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _drying(voids: Mapping[str, Any]) -> str:
-    """Return what drying can do, in one sentence."""
-    critical = voids["critical_moisture"]
-    if critical is None:
-        return "not needed: no moisture that the polymer can hold starts a void"
-    if critical == 0.0:
-        alone = voids["by_basis"]["melt"]["critical_moisture"]
-        rest = f"; without fibers, below {100 * alone:.2g} %" if alone else ""
-        return (
-            "no drying clears the bead: melt at a fiber is under tension, where any trace of "
-            f"moisture suffices{rest}"
-        )
-    return f"below {100 * critical:.2g} % moisture no void starts on any fiber"
+def _nucleation(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
+    """Return what a bubble without any gas to start from would take; nothing if that is unknown."""
+    if not worst["critical_radius"]:
+        return ""
+    told = f"critical radius {1e9 * worst['critical_radius']:.0f} nm"
+    if (rate := worst["log10_rate"]) is None:
+        return told
+    threshold = math.log10(voids["threshold_rate"])
+    told += f"; log10 of the rate {rate:.3g} in the melt itself, {threshold:.3g} counts as onset"
+    if rate >= threshold:
+        return f"{told}: bubbles start"
+    if (wetting := worst["required_wetting"]) is None:
+        return told
+    return f"{told}: starts where a surface leaves {100 * wetting:.2g} % of the barrier"

@@ -1,0 +1,52 @@
+"""What would keep a bead free of voids, in a sentence: the same one wherever it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fibermelt.voids.constants import ATMOSPHERE
+
+__all__ = ["advice"]
+
+PERCENT = 100.0
+
+
+def advice(found: Mapping[str, Any]) -> str:
+    """Return what would keep the bead free of voids, in a sentence.
+
+    Stokes flow of a Newtonian melt has all pressures over the air's in proportion to the speeds:
+    by ``p_air / (p_air - P_L)`` of them the lowest absolute pressure ``P_L`` < 0 is zero.
+
+    Parameters
+    ----------
+    found : mapping
+        What summary.json has under ``"voids"``.
+    """
+    critical, lowest = found["critical_moisture"], found["lowest_pressure"]
+    if lowest is None:
+        return "Not told: every streamline passes a singular corner; follow more of them."
+    if critical is None:
+        return "Nothing: no moisture that the polymer can hold starts a void."
+    if critical > 0:
+        below = f"below {_percent(critical)} moisture no void starts on any fiber"
+        if found["moisture"] < critical:
+            return f"Keep it this dry: {below}."
+        return f"Dry the material: {below}."
+    slower = f"{PERCENT * ATMOSPHERE / (ATMOSPHERE - lowest):.0f} %"
+    tension = (
+        "at fibers in their worst direction the melt is under tension, which no drying helps, "
+        f"until both speeds are below {slower} of these"
+    )
+    alone = found["by_basis"]["melt"]["critical_moisture"]
+    if not alone or found["moisture"] < alone:
+        return f"Slow down: {tension}."
+    return (
+        f"Dry below {_percent(alone)}, so that the melt between the fibers cannot boil, and slow "
+        f"down: {tension}."
+    )
+
+
+def _percent(moisture: float) -> str:
+    """Return a moisture in percent with two significant digits, the zeros among them."""
+    return f"{PERCENT * moisture:#.2g}".removesuffix(".") + " %"
