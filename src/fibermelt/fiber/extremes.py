@@ -24,6 +24,7 @@ __all__ = [
     "LOCATIONS",
     "ExtremeStatistics",
     "Extremes",
+    "before_middle",
     "extreme_bounds",
     "extremes",
     "statistics",
@@ -111,7 +112,7 @@ def extremes(
     ConfigError
         If a path has no point before, or none after, its middle time.
     """
-    before = _before(path, middle_time)[..., None, :]
+    before = before_middle(path, middle_time)[..., None, :]
     picked = []
     for here in (before, ~before):
         low = np.argmin(np.where(here, pressure.lowest, np.inf), axis=-1)
@@ -159,7 +160,7 @@ def extreme_bounds(path: Path, bounds: PressureBounds, middle_time: float | Arra
     bounds : PressureBounds
         Bounds over every orientation along the path.
     """
-    before = _before(path, middle_time)
+    before = before_middle(path, middle_time)
     sides = []
     for here in (before, ~before):
         low = [_smallest(v, here) for v in (bounds.lowest, bounds.mildest_lowest)]
@@ -174,7 +175,7 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def _before(path: Path, middle_time: float | Array) -> NDArray[np.bool_]:
+def before_middle(path: Path, middle_time: float | Array) -> NDArray[np.bool_]:
     """Return which points lie above the middle of the capillary, (..., n)."""
     middle = np.asarray(middle_time, dtype=np.float64)
     before: NDArray[np.bool_] = path.time < middle[..., None]

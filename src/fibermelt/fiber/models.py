@@ -76,11 +76,12 @@ class FiberModel:
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, over the sphere for a spheroid (`equal_area_directions`).
-        Parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
+        In the plane for an ellipse, exactly; over the sphere for a spheroid, by ``count``
+        directions (`equal_area_directions`), between whose values quantiles are linear. The other
+        parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
         """
         if self.spheroid is None:
-            return isotropic_pressure(path, self.response, viscosity, middle_time, count, levels)
+            return isotropic_pressure(path, self.response, viscosity, middle_time, levels)
         return _isotropic_spheroids(path, self.spheroid, viscosity, middle_time, count, levels)
 
 
