@@ -7,7 +7,7 @@ roots out of the arcs' ends, which are then smooth in ``u`` and go through cubic
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,12 +71,13 @@ class LevelSets:
     splines : (4, k nodes, v or 2 v) array
         Coefficients of the arcs' right and left ends [rad] in the fraction of an interval, the
         highest power first, ``v`` valleys. A circle has none: ``h`` is one number. Where ``h`` is
-        even the left ends are mirrored right ends, and left out.
+        even the left ends are images of right ends, and left out.
     tops : (v,) array
         Height of the top that follows each valley [-].
-    mirrors : (v,) array or None
-        For an even ``h``, the sum [rad] of a left end and its image, a multiple of ``2 pi``; the
-        images come in the opposite order.
+    image : (v,) array or None
+        For an even ``h``, which arc is an arc's image at the opposite phases.
+    mirrors : (v,) array
+        Then, the sum [rad] of a left end and the right end that is its image: whole turns.
     """
 
     lowest: float
@@ -85,7 +86,8 @@ class LevelSets:
     nodes: int
     splines: Array
     tops: Array
-    mirrors: Array | None
+    image: Index | None = None
+    mirrors: Array | None = None
 
     @property
     def valleys(self) -> int:
@@ -119,9 +121,10 @@ class LevelSets:
     def _both(self, found: list[Array]) -> tuple[list[Array], list[Array]]:
         """Return left and right ends from those that the splines give."""
         right = found[: self.valleys]
-        if self.mirrors is None:
+        if self.image is None or self.mirrors is None:
             return found[self.valleys :], right
-        return [sum_ - end for sum_, end in zip(self.mirrors, right[::-1], strict=True)], right
+        pairs = zip(self.image, self.mirrors, strict=True)
+        return [turns - right[other] for other, turns in pairs], right
 
     def level(self, index: Index, fraction: Array) -> Array:
         """Return the level [-] inside given intervals, (m,)."""
@@ -158,7 +161,7 @@ def level_sets(support: SupportFunction) -> LevelSets:
     lowest, highest = min(values), max(values)
     if len(turns) < 2:
         none = np.zeros((4, 1, 0)), np.zeros(0)
-        return LevelSets(lowest, highest, np.array([lowest, highest]), 1, *none, None)
+        return LevelSets(lowest, highest, np.array([lowest, highest]), 1, *none)
     heights = _heights(np.concatenate([values, support.corner_heights()]), lowest, highest)
     nodes = FEWEST_NODES
     while True:
@@ -201,7 +204,18 @@ def _turns(support: SupportFunction) -> list[_Turn]:
     if turns and not turns[0].valley:
         first = turns.pop(0)
         turns.append(_Turn(first.place + 2.0 * np.pi, first.height, first.valley))
-    return turns
+    return _even(turns) if support.even and turns else turns
+
+
+def _even(turns: list[_Turn]) -> list[_Turn]:
+    """Return the turns at places that are images of each other to rounding.
+
+    A turn's place is known to the root of the rounding only: arcs and their images would not meet.
+    """
+    place = np.array([turn.place for turn in turns])
+    image, total = _images(place)
+    place = 0.5 * (place + total - place[image])
+    return [replace(turn, place=float(p)) for turn, p in zip(turns, place, strict=True)]
 
 
 def _heights(values: Array, lowest: float, highest: float) -> Array:
@@ -225,17 +239,24 @@ def _splined(support: SupportFunction, turns: list[_Turn], heights: Array, nodes
     around = [before, *turns]
     valleys = range(1, len(around), 2)
     sides = [(around[k], around[k + 1]) for k in valleys]
-    mirrors = None
+    image, mirrors = None, None
     if support.even:
-        place = np.array([around[k].place for k in valleys])
-        mirrors = 2.0 * np.pi * np.round((place + place[::-1]) / (2.0 * np.pi))
+        image, mirrors = _images(np.array([around[k].place for k in valleys]))
     else:
         sides += [(around[k], around[k - 1]) for k in valleys]
     ends = _ends(support, sides, level.ravel()).reshape(*level.shape, len(sides))
     u = np.arange(nodes + 1.0)
     splines = np.concatenate([CubicSpline(u, part).c for part in ends], axis=1)
     tops = np.array([around[k + 1].height for k in valleys])
-    return LevelSets(float(heights[0]), float(heights[-1]), heights, nodes, splines, tops, mirrors)
+    lowest, highest = float(heights[0]), float(heights[-1])
+    return LevelSets(lowest, highest, heights, nodes, splines, tops, image, mirrors)
+
+
+def _images(place: Array) -> tuple[Index, Array]:
+    """Return which place is each one's image at the opposite phase, and their sum, whole turns."""
+    total = (place[:, None] + place) / (2.0 * np.pi)
+    image = np.argmin(np.abs(total - np.round(total)), axis=1)
+    return image, 2.0 * np.pi * np.round(total[np.arange(place.size), image])
 
 
 def _ends(support: SupportFunction, sides: list[tuple[_Turn, _Turn]], level: Array) -> Array:

@@ -36,6 +36,10 @@ PLACE = 1e-6
 1e-8 of the largest pressure, as the level sets."""
 
 
+NARROWEST = 1e-12
+"""Spread below which fibers are taken to be that spread [rad]: above the rounding of ``Y``."""
+
+
 @dataclass(frozen=True, eq=False)
 class Alignment:
     """How fibers that started isotropic lie to the stretching at points of a path.
@@ -70,7 +74,7 @@ def alignment(deformation: Propagator, double: Array) -> Alignment:
     return Alignment(
         along=cosine * first + sine * second,
         across=sine * first - cosine * second,
-        spread=2.0 * np.exp(-2.0 * deformation.scale),
+        spread=np.maximum(2.0 * np.exp(-2.0 * deformation.scale), NARROWEST),
     )
 
 
@@ -99,7 +103,9 @@ def height_quantiles(sets: LevelSets, found: Alignment, shares: Array) -> Array:
         np.broadcast_to(found.across[..., None, None] * sign, shape).ravel(),
         np.broadcast_to(found.spread[..., None, None], shape).ravel(),
     )
-    return sets.level(*search.solved()).reshape(shape)
+    height = sets.level(*search.solved()).reshape(shape)
+    # some fiber is in every direction, however few: the ends of the range need no search
+    return np.where(shares == 0.0, sets.lowest, np.where(shares == 1.0, sets.highest, height))
 
 
 class _Search:
@@ -111,7 +117,11 @@ class _Search:
         self.sets = sets
         self.along, self.across, self.spread = along, across, spread
         self.cosine, self.sine = np.cos(np.pi * share), -np.sin(np.pi * share)
-        self.nodes = _arcs(sets, *sets.ends_at_nodes())
+        # of an arc and its image the first is enough
+        image = np.arange(sets.valleys) if sets.image is None else sets.image
+        self.chosen = [k for k in range(sets.valleys) if image[k] >= k]
+        self.paired = [bool(image[k] > k) for k in self.chosen]
+        self.nodes = _arcs(*sets.ends_at_nodes(), self.chosen)
 
     def solved(self) -> tuple[Index, Array]:
         """Return the intervals and the fractions of them."""
@@ -128,7 +138,7 @@ class _Search:
         low = np.minimum(low, last - 1)
 
         def excess(fraction: Array, at: Index) -> Array:
-            return self.value(_arcs(self.sets, *self.sets.ends(low[at], fraction)), at)
+            return self.value(_arcs(*self.sets.ends(low[at], fraction), self.chosen), at)
 
         ends = np.zeros(low.shape), np.where(high > low, 1.0, 0.0)
         return low, bracketed_roots(excess, *ends, (below, above), PLACE, smooth=True)
@@ -141,21 +151,21 @@ class _Search:
         """Return ``Im(exp(-i pi g) prod Y)`` of some for arcs."""
         real, imaginary = self.cosine[at], self.sine[at]
         along, across, spread = self.along[at], self.across[at], self.spread[at]
-        for k, (cos_half, sin_half, cos_mid, sin_mid) in enumerate(arcs):
+        for (cos_half, sin_half, cos_mid, sin_mid), paired in zip(arcs, self.paired, strict=True):
             a, b, odd = cos_half - along * cos_mid, spread * sin_half, across * sin_mid
-            if self.sets.mirrors is None or 2 * k + 1 == self.sets.valleys:
-                a -= odd
-            else:
+            if paired:
                 # times that of the image, whose middle is the opposite
                 a, b = a * a - b * b - odd * odd, 2.0 * a * b
+            else:
+                a -= odd
             real, imaginary = real * a - imaginary * b, real * b + imaginary * a
         return imaginary
 
 
-def _arcs(sets: LevelSets, left: list[Array], right: list[Array]) -> list[list[Array]]:
-    """Return cosine and sine of half width and middle of every arc that is no other's image."""
+def _arcs(left: list[Array], right: list[Array], chosen: list[int]) -> list[list[Array]]:
+    """Return cosine and sine of half width and middle of some arcs."""
     arcs = []
-    for k in range(sets.valleys if sets.mirrors is None else (sets.valleys + 1) // 2):
+    for k in chosen:
         half, mid = 0.5 * (right[k] - left[k]), 0.5 * (right[k] + left[k])
         arcs.append([np.cos(half), np.sin(half), np.cos(mid), np.sin(mid)])
     return arcs

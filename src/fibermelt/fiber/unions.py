@@ -76,7 +76,7 @@ class Problems:
     opposite : (m,) array
         Whether the phase is ``phi + pi``: for the lowest pressure, with its sign turned.
     low : (m,) array
-        What the quantile is not below [Pa], positive or zero.
+        What the quantile is not below [Pa]; what it is, where no point is left.
     point : (n,) array
         Points that can hold the extreme, in the order of the problems.
     problem : (n,) array
@@ -109,8 +109,8 @@ def extreme_quantiles(sets: LevelSets, points: TurningPoints, asked: Problems) -
     amplitude = points.amplitude[asked.point]
     largest = np.zeros(asked.share.size)
     np.maximum.at(largest, asked.problem, amplitude)
-    high = largest * sets.highest
     low = np.maximum(asked.low, largest * sets.lowest)
+    high = np.maximum(low, largest * sets.highest)
     if sets.valleys == 0:
         return high
     everyone = np.arange(low.size)
