@@ -29,7 +29,7 @@ leave 1e-5. A circle, all of whose humps are rounding, has none."""
 LEVEL_TOLERANCE = 1e-8
 """Error of ``h`` at the arcs' ends over its largest value: that of the support function's table."""
 
-FEWEST_NODES = 128
+FEWEST_NODES = 256
 MOST_NODES = 1 << 14
 """Nodes of the splines between two heights: doubled until the tolerance is met."""
 
@@ -39,8 +39,8 @@ REFINED = 32
 ROUNDS = 6
 """Rounds of it: three knots' spacings over ``16^6`` are below the rounding of the place, 1e-8."""
 
-PLACE = 1e-11
-"""Bracket of an arc's end [rad], far below the tolerance: ``|h'|`` is at most the largest ``h``."""
+PLACE = 1e-10
+"""Last step to an arc's end [rad], below the tolerance: ``|h'|`` is at most the largest ``h``."""
 
 
 SAME_HEIGHT = 1e-9
@@ -281,7 +281,7 @@ def _ends(support: SupportFunction, sides: list[tuple[_Turn, _Turn]], level: Arr
     def excess(phase: Array, at: Index) -> Array:
         return np.asarray(support(phase) - goal[at])
 
-    found = bracketed_roots(excess, low, high, (below, above), PLACE)
+    found = bracketed_roots(excess, low, high, (below, above), PLACE, smooth=True)
     return np.asarray(found.reshape(len(sides), -1).T)
 
 

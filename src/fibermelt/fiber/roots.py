@@ -43,8 +43,8 @@ def bracketed_roots(
     tolerance : float or (n,) array
         Largest width of the bracket at the end, positive.
     smooth : bool
-        Whether a step of the interpolation below the tolerance ends the search, too. Where a
-        function has kinks such a step tells nothing.
+        Whether a step of the interpolation below the tolerance ends the search, too, and a zero.
+        Where a function has kinks, or vanishes over an interval, they tell nothing.
     """
     root = np.array(high, dtype=np.float64)
     at = np.arange(root.size)
@@ -58,9 +58,10 @@ def bracketed_roots(
     for _ in range(MOST_STEPS):
         wide = np.abs(x1 - x2)
         small = parabolic & (np.abs(t) * wide < near)
+        found = f1 == 0.0 if smooth else small
         best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
         root[at] = np.where(small, x1 + t * (x2 - x1), best)
-        going = (wide > near) & ~small
+        going = (wide > near) & ~(small | found)
         if not np.all(going):
             at, near, t, wide = at[going], near[going], t[going], wide[going]
             x1, x2, f1, f2 = x1[going], x2[going], f1[going], f2[going]

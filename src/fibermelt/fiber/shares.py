@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 PLACE = 1e-6
-"""Bracket of a level between two nodes, of their distance, which is 1/128 of the range or less:
+"""Bracket of a level between two nodes, of their distance, which is 1/256 of the range or less:
 1e-8 of the largest pressure, as the level sets."""
 
 

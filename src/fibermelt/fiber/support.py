@@ -164,6 +164,8 @@ class SupportFunction:
 
     def near_corner(self, phase: Array) -> NDArray[np.bool_]:
         """Return whether two branches are kept apart in or next to the phases' intervals."""
+        if not self._has_corners:
+            return np.zeros(np.shape(phase), dtype=np.bool_)
         index, _ = self._locate(phase)
         near = self._corners | np.roll(self._corners, 1) | np.roll(self._corners, -1)
         return np.asarray(near[index])
