@@ -26,6 +26,7 @@ __all__ = [
     "Extremes",
     "before_middle",
     "extreme_bounds",
+    "extreme_values",
     "extremes",
     "statistics",
 ]
@@ -131,6 +132,23 @@ def extremes(
         where=pressure.where_at(index),
         index=index,
     )
+
+
+def extreme_values(lowest: Array, highest: Array, before: NDArray[np.bool_]) -> Array:
+    """Return the values alone of `extremes`, (..., n_angles, 2, 2) [Pa].
+
+    Parameters
+    ----------
+    lowest, highest : (..., n_angles, n) array
+        Pressures along the path [Pa].
+    before : (n,) array
+        Which points are at location 1, as from `before_middle`.
+    """
+    sides = [
+        [lowest[..., here].min(axis=-1), highest[..., here].max(axis=-1)]
+        for here in (before, ~before)
+    ]
+    return np.stack([np.stack(side, axis=-1) for side in sides], axis=-2)
 
 
 def statistics(found: Extremes) -> ExtremeStatistics:

@@ -96,7 +96,7 @@ class LevelSets:
 
     @property
     def intervals(self) -> int:
-        """Return the number of the splines' intervals."""
+        """Return the number of intervals."""
         return int(self.splines.shape[1])
 
     def ends_at_nodes(self) -> tuple[list[Array], list[Array]]:
@@ -171,9 +171,8 @@ def level_sets(support: SupportFunction) -> LevelSets:
             return found
         if nodes >= MOST_NODES:
             msg = (
-                f"level sets: error {error / highest:.1e} of the largest pressure with {nodes} "
-                f"nodes, bound {LEVEL_TOLERANCE:g}: the surface pressure is too rough, refine the "
-                "cell or take a domain_size further from 2"
+                f"level sets: error {error / highest:.1e} of the largest pressure, bound "
+                f"{LEVEL_TOLERANCE:g}: the surface pressure is too rough, refine the cell"
             )
             raise ConvergenceError(msg)
         nodes *= 2
@@ -288,8 +287,7 @@ def _ends(support: SupportFunction, sides: list[tuple[_Turn, _Turn]], level: Arr
 def _error(support: SupportFunction, found: LevelSets) -> float:
     """Return the largest error of ``h`` at the arcs' ends half-way between the nodes [-].
 
-    Left out are ends at rest, on a turn that the level has passed or not come to, and those at a
-    corner, where the table's two branches need not meet to the tolerance.
+    Left out are ends at rest, on a turn, and at a corner, where the table's branches need not meet.
     """
     index = np.arange(found.intervals)
     half = np.full(index.size, 0.5)

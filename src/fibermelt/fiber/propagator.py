@@ -62,6 +62,11 @@ class Propagator:
             self.turn.reshape(-1, n)[some],
         )
 
+    def line(self, k: int) -> Propagator:
+        """Return the maps of one of these paths, leading shape (n,)."""
+        one = self.lines(slice(k, k + 1))
+        return Propagator(one.matrix[0], one.scale[0], one.turn[0])
+
     def then(self, later: Propagator) -> Propagator:
         """Return these maps followed by others along the last leading axis."""
         return Propagator(
