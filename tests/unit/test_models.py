@@ -183,6 +183,24 @@ def test_isotropic_quantiles_are_linear_in_viscosity_and_ordered(name: str) -> N
         assert np.all(np.diff(getattr(one, field), axis=-1) >= 0.0)
 
 
+def test_isotropic_spheroids_are_those_that_are_followed() -> None:
+    """The quantiles take no angles and places; what they leave are the same pressures."""
+    path, whole, start = winding(), spheroid(), equal_area_directions(50)
+    motion = follow_spatial(path, whole.shape_factor, start)
+    pressure = spatial_pressure(path, whole, VISCOSITY, motion)
+    value = extremes(path, pressure, motion, MIDDLE).value
+    model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
+    found = model.isotropic_pressure(path, VISCOSITY, MIDDLE, 50, (0.1, 0.9))
+    scale = INTERPOLATED * pressure.highest.max()
+    for one, values in (
+        (found.lowest, pressure.lowest),
+        (found.highest, pressure.highest),
+        (found.extremes, value),
+    ):
+        followed = np.moveaxis(np.quantile(values, (0.1, 0.9), axis=0), 0, -1)
+        assert one == pytest.approx(followed, abs=scale)
+
+
 def test_isotropic_in_space_is_milder_than_in_the_plane() -> None:
     """Fibers out of the plane see less of it: the median of the lowest pressure is less deep."""
     path = PathBundle([winding()])

@@ -24,7 +24,9 @@ __all__ = [
     "LOCATIONS",
     "ExtremeStatistics",
     "Extremes",
+    "before_middle",
     "extreme_bounds",
+    "extreme_values",
     "extremes",
     "statistics",
 ]
@@ -111,7 +113,7 @@ def extremes(
     ConfigError
         If a path has no point before, or none after, its middle time.
     """
-    before = _before(path, middle_time)[..., None, :]
+    before = before_middle(path, middle_time)[..., None, :]
     picked = []
     for here in (before, ~before):
         low = np.argmin(np.where(here, pressure.lowest, np.inf), axis=-1)
@@ -130,6 +132,23 @@ def extremes(
         where=pressure.where_at(index),
         index=index,
     )
+
+
+def extreme_values(lowest: Array, highest: Array, before: NDArray[np.bool_]) -> Array:
+    """Return the values alone of `extremes`, (..., n_angles, 2, 2) [Pa].
+
+    Parameters
+    ----------
+    lowest, highest : (..., n_angles, n) array
+        Pressures along the path [Pa].
+    before : (n,) array
+        Which points are at location 1, as from `before_middle`.
+    """
+    sides = [
+        [lowest[..., here].min(axis=-1), highest[..., here].max(axis=-1)]
+        for here in (before, ~before)
+    ]
+    return np.stack([np.stack(side, axis=-1) for side in sides], axis=-2)
 
 
 def statistics(found: Extremes) -> ExtremeStatistics:
@@ -159,7 +178,7 @@ def extreme_bounds(path: Path, bounds: PressureBounds, middle_time: float | Arra
     bounds : PressureBounds
         Bounds over every orientation along the path.
     """
-    before = _before(path, middle_time)
+    before = before_middle(path, middle_time)
     sides = []
     for here in (before, ~before):
         low = [_smallest(v, here) for v in (bounds.lowest, bounds.mildest_lowest)]
@@ -174,7 +193,7 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def _before(path: Path, middle_time: float | Array) -> NDArray[np.bool_]:
+def before_middle(path: Path, middle_time: float | Array) -> NDArray[np.bool_]:
     """Return which points lie above the middle of the capillary, (..., n)."""
     middle = np.asarray(middle_time, dtype=np.float64)
     before: NDArray[np.bool_] = path.time < middle[..., None]

@@ -14,6 +14,7 @@ across the flow, and directions in space for a spheroid. The bounds are the same
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -22,8 +23,9 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.directions import equal_area_directions
-from fibermelt.fiber.extremes import extremes
+from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.jeffery import unbounded_ellipse
+from fibermelt.fiber.motion import deformation_along
 from fibermelt.fiber.paths import Path
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
@@ -32,11 +34,17 @@ from fibermelt.fiber.population import (
     isotropic_pressure,
     population_quantiles,
 )
+from fibermelt.fiber.pressure import checked_viscosity
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.section import planar_section
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.spatial import follow_spatial, spatial_pressure
-from fibermelt.fiber.spheroid import Spheroid, SpheroidResponse, unbounded_spheroid
+from fibermelt.fiber.spatial import turned_directions
+from fibermelt.fiber.spheroid import (
+    Spheroid,
+    SpheroidResponse,
+    embed_planar,
+    unbounded_spheroid,
+)
 
 __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
 
@@ -76,11 +84,12 @@ class FiberModel:
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, over the sphere for a spheroid (`equal_area_directions`).
-        Parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
+        In the plane for an ellipse, exactly; over the sphere for a spheroid, by ``count``
+        directions (`equal_area_directions`), between whose values quantiles are linear. The other
+        parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
         """
         if self.spheroid is None:
-            return isotropic_pressure(path, self.response, viscosity, middle_time, count, levels)
+            return isotropic_pressure(path, self.response, viscosity, middle_time, levels)
         return _isotropic_spheroids(path, self.spheroid, viscosity, middle_time, count, levels)
 
 
@@ -123,10 +132,16 @@ def _isotropic_spheroids(
 ) -> IsotropicPressure:
     """Return quantiles over spheroids that start isotropic in space, path by path."""
     initial = equal_area_directions(count)
+    scale = checked_viscosity(viscosity)
+    deformation, _ = deformation_along(path, spheroid.shape_factor)
+    paths = itertools.count()
 
     def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
-        motion = follow_spatial(one, spheroid.shape_factor, initial)
-        pressure = spatial_pressure(one, spheroid, viscosity, motion)
-        return pressure.lowest, pressure.highest, extremes(one, pressure, motion, middle).value
+        k = next(paths)
+        directions = turned_directions(deformation.line(k), initial)
+        gradient = embed_planar(one.gradient)
+        lowest, highest = spheroid.extreme_values(gradient, directions)
+        lowest, highest = scale * lowest, scale * highest
+        return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
 
     return population_quantiles(path, middle_time, levels, pressures)

@@ -1,7 +1,8 @@
 """How likely the pressures are: fibers that start in every direction alike.
 
 The bounds over every orientation say what can happen; the quantiles of an isotropic start say how
-often it does. Hundreds of initial angles go through the same linear system as the paper's thirteen.
+often it does. In the plane they are exact (`fibermelt.fiber.shares`, `fibermelt.fiber.unions`): the
+share of fibers in an arc of phases has a closed form. In space, directions are sampled.
 """
 
 from __future__ import annotations
@@ -13,11 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.extremes import extremes
-from fibermelt.fiber.motion import deformation_along, isotropic_angles, turned
-from fibermelt.fiber.paths import Path, single_paths
-from fibermelt.fiber.pressure import surface_pressure
+from fibermelt.fiber.extremes import before_middle
+from fibermelt.fiber.level_sets import LevelSets
+from fibermelt.fiber.motion import deformation_along
+from fibermelt.fiber.paths import Path, single_paths, strain_polar
+from fibermelt.fiber.pressure import checked_viscosity
+from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.shares import alignment, height_quantiles
+from fibermelt.fiber.unions import Problems, extreme_quantiles, turning_points
 
 __all__ = ["QUANTILE_LEVELS", "IsotropicPressure", "isotropic_pressure", "population_quantiles"]
 
@@ -27,7 +32,14 @@ QUANTILE_LEVELS = (0.05, 0.5, 0.95)
 """Levels of the quantiles: the middle nine tenths and the median."""
 
 ISOTROPIC_COUNT = 200
-"""Initial directions: the 5 % quantile then has ten fibers below it."""
+"""Initial directions in space: the 5 % quantile then has ten fibers below it."""
+
+BLOCK = 1 << 13
+"""Points of paths taken at a time: their arrays then stay in the cache."""
+
+KIND_OPPOSITE = np.array([True, False])
+KIND_SIGN = np.array([-1.0, 1.0])
+"""Whether the phase of a kind (min, max) is the opposite one, and the pressure's sign."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,23 +67,23 @@ def isotropic_pressure(
     response: FiberResponse,
     viscosity: float,
     middle_time: float | Array,
-    count: int = ISOTROPIC_COUNT,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
 ) -> IsotropicPressure:
-    """Return quantiles of pressures and extremes for an isotropic start.
+    """Return quantiles of pressures and extremes for an isotropic start in the plane.
+
+    Exact for the points of the path, but for `fibermelt.fiber.level_sets.LEVEL_TOLERANCE`: no
+    fiber is sampled.
 
     Parameters
     ----------
     path : FlowHistory or PathBundle
-        One path or several; they are taken one by one, so memory does not grow with them.
+        One path or several; a few are taken at a time, so memory does not grow with them.
     response : FiberResponse
         The fibers' response.
     viscosity : float
         ``mu`` [Pa s].
     middle_time : float or (...) array
         Time at the middle of the capillary [s], as in `extremes`.
-    count : int
-        Number of initial directions, equally spaced; quantiles are linear between their fibers.
     levels : tuple of float
         Levels in [0, 1].
 
@@ -79,17 +91,69 @@ def isotropic_pressure(
     ------
     ConfigError
         If a level lies outside [0, 1], or as in `follow`, `surface_pressure` and `extremes`.
+    ConvergenceError
+        As in `follow` and `fibermelt.fiber.level_sets.level_sets`.
     """
-    initial, factor = isotropic_angles(count), response.shape_factor
-    whole, substeps = deformation_along(path, factor)
-    lines = iter(whole.lines())
+    _refuse_levels(levels)
+    size, double = strain_polar(path.gradient)
+    amplitude = checked_viscosity(viscosity) * size
+    deformation, _ = deformation_along(path, response.shape_factor)
+    lead, n = path.time.shape[:-1], path.time.shape[-1]
+    before = before_middle(path, middle_time).reshape(-1, n)
+    amplitude, double = amplitude.reshape(-1, n), double.reshape(-1, n)
+    step = max(1, BLOCK // n)
+    parts = []
+    for first in range(0, len(before), step):
+        some = slice(first, first + step)
+        line = _Lines(amplitude[some], double[some], deformation.lines(some), before[some])
+        parts.append(_line_quantiles(line, response.level_sets, levels))
+    stacked = [np.concatenate(part) for part in zip(*parts, strict=True)]
+    return IsotropicPressure(
+        np.array(levels), *(values.reshape(*lead, *values.shape[1:]) for values in stacked)
+    )
 
-    def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
-        motion = turned(one, factor, initial, next(lines), substeps)
-        pressure = surface_pressure(one, response, viscosity, motion)
-        return pressure.lowest, pressure.highest, extremes(one, pressure, motion, middle).value
 
-    return population_quantiles(path, middle_time, levels, pressures)
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Some paths of n points: ``mu d`` [Pa], ``2 beta`` [rad], ``F``, and who is at location 1."""
+
+    amplitude: Array
+    double: Array
+    deformation: Propagator
+    before: NDArray[np.bool_]
+
+
+def _line_quantiles(
+    lines: _Lines, sets: LevelSets, levels: tuple[float, ...]
+) -> tuple[Array, Array, Array]:
+    """Return quantiles (m, n, k) of lowest and highest pressure, (m, 2, 2, k) of extremes [Pa].
+
+    The lowest pressure is ``-mu d h(phi + pi)``: its quantiles are those of the opposite share.
+    """
+    share = np.array([[1.0 - level for level in levels], levels])
+    found = alignment(lines.deformation, lines.double)
+    height = height_quantiles(sets, found, share)
+    pressure = lines.amplitude[..., None, None] * height
+    # of the extreme over some points, no quantile is below the points' own
+    sides = (lines.before, ~lines.before)
+    low = np.stack([np.max(pressure, axis=1, where=s[..., None, None], initial=0.0) for s in sides])
+    bound = np.moveaxis(low, 0, -1)  # (m, kind, k, location)
+    there = np.where(lines.before[:, None, None], bound[..., :1], bound[..., 1:])
+    able = lines.amplitude[:, None, None, :] * sets.highest > there
+    n = lines.amplitude.shape[-1]
+    line, kind, level, point = np.nonzero(able)
+    location = np.where(lines.before[line, point], 0, 1)
+    asked = Problems(
+        share=np.broadcast_to(share[None, ..., None], bound.shape).ravel(),
+        opposite=np.broadcast_to(KIND_OPPOSITE[:, None, None], bound.shape).ravel(),
+        low=bound.ravel(),
+        point=line * n + point,
+        problem=((line * 2 + kind) * len(levels) + level) * 2 + location,
+    )
+    points = turning_points(lines.amplitude, 0.5 * lines.double, lines.deformation)
+    extreme = extreme_quantiles(sets, points, asked).reshape(bound.shape)
+    extreme = np.moveaxis(extreme, -1, 1)  # (m, location, kind, k)
+    return -pressure[..., 0, :], pressure[..., 1, :], KIND_SIGN[:, None] * extreme
 
 
 def population_quantiles(
@@ -113,9 +177,7 @@ def population_quantiles(
     ConfigError
         If a level lies outside [0, 1].
     """
-    if not all(0 <= level <= 1 for level in levels):
-        msg = f"levels = {levels}: quantile levels lie between 0 and 1"
-        raise ConfigError(msg)
+    _refuse_levels(levels)
     middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
     parts = [
         [_quantiles(values, levels) for values in pressures(one, float(middle))]
@@ -126,6 +188,13 @@ def population_quantiles(
         np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
     ]
     return IsotropicPressure(np.array(levels), *stacked)
+
+
+def _refuse_levels(levels: tuple[float, ...]) -> None:
+    """Refuse levels that are none."""
+    if not all(0 <= level <= 1 for level in levels):
+        msg = f"levels = {levels}: quantile levels lie between 0 and 1"
+        raise ConfigError(msg)
 
 
 def _quantiles(values: Array, levels: tuple[float, ...]) -> Array:

@@ -23,6 +23,7 @@ __all__ = [
     "PressureBounds",
     "SurfaceHistory",
     "SurfacePressure",
+    "checked_viscosity",
     "pressure_bounds",
     "surface_pressure",
 ]
@@ -144,7 +145,7 @@ def surface_pressure(
         If the viscosity is not positive.
     """
     size, double = strain_polar(path.gradient)
-    amplitude = _viscosity(viscosity) * size
+    amplitude = checked_viscosity(viscosity) * size
     phase = double[..., None, :] - 2.0 * motion.angle
     lowest, highest = response.support.both(phase)
     lowest *= amplitude[..., None, :]
@@ -159,13 +160,14 @@ def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> Pr
     `surface_pressure`.
     """
     size, _ = strain_polar(path.gradient)
-    amplitude = _viscosity(viscosity) * size
+    amplitude = checked_viscosity(viscosity) * size
     worst = amplitude * response.support.largest
     mildest = amplitude * response.support.smallest
     return PressureBounds(-worst, worst, -mildest, mildest)
 
 
-def _viscosity(viscosity: float) -> float:
+def checked_viscosity(viscosity: float) -> float:
+    """Return a viscosity [Pa s], or refuse it (`ConfigError`)."""
     if not (np.isfinite(viscosity) and viscosity > 0):
         msg = f"melt.viscosity = {viscosity:g} Pa s: must be positive, e.g. 817"
         raise ConfigError(msg)

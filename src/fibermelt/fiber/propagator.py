@@ -53,16 +53,19 @@ class Propagator:
             self.matrix[..., index, :, :], self.scale[..., index], self.turn[..., index]
         )
 
-    def lines(self) -> list[Propagator]:
-        """Return the maps of each path by itself, leading shape (n,)."""
+    def lines(self, some: slice) -> Propagator:
+        """Return the maps of some paths, counted over all leading axes but the last: (m, n)."""
         n = self.turn.shape[-1]
-        each = zip(
-            self.matrix.reshape(-1, n, 2, 2),
-            self.scale.reshape(-1, n),
-            self.turn.reshape(-1, n),
-            strict=True,
+        return Propagator(
+            self.matrix.reshape(-1, n, 2, 2)[some],
+            self.scale.reshape(-1, n)[some],
+            self.turn.reshape(-1, n)[some],
         )
-        return [Propagator(*parts) for parts in each]
+
+    def line(self, k: int) -> Propagator:
+        """Return the maps of one of these paths, leading shape (n,)."""
+        one = self.lines(slice(k, k + 1))
+        return Propagator(one.matrix[0], one.scale[0], one.turn[0])
 
     def then(self, later: Propagator) -> Propagator:
         """Return these maps followed by others along the last leading axis."""

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.curve import TrigonometricCurve
+from fibermelt.fiber.level_sets import LevelSets, level_sets
 from fibermelt.fiber.support import SupportFunction
 
 __all__ = ["FiberResponse"]
@@ -106,6 +107,11 @@ class FiberResponse:
     def support(self) -> SupportFunction:
         """Return the support function ``h`` with its extremes [-]."""
         return SupportFunction(self.curve)
+
+    @cached_property
+    def level_sets(self) -> LevelSets:
+        """Return the phases at which ``h`` lies below a level, for every level."""
+        return level_sets(self.support)
 
     @property
     def tip(self) -> Array:

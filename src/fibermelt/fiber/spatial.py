@@ -19,9 +19,17 @@ from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, follow
 from fibermelt.fiber.paths import Path
+from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.spheroid import SpheroidResponse, embed_planar
 
-__all__ = ["SpatialMotion", "SpatialPressure", "follow_spatial", "half_sphere", "spatial_pressure"]
+__all__ = [
+    "SpatialMotion",
+    "SpatialPressure",
+    "follow_spatial",
+    "half_sphere",
+    "spatial_pressure",
+    "turned_directions",
+]
 
 Array = NDArray[np.float64]
 
@@ -151,6 +159,26 @@ def follow_spatial(
     height = start[:, 2] * np.exp(-motion.deformation.scale)[..., None]
     elevation = np.swapaxes(np.arctan2(height, length), -1, -2)
     return SpatialMotion(start, motion.angle, np.ascontiguousarray(elevation), motion.spin)
+
+
+def turned_directions(deformation: Propagator, start: Array) -> Array:
+    """Return where directions are turned to, unit vectors (n_directions, n, 3), without the angles.
+
+    Parameters
+    ----------
+    deformation : Propagator
+        ``F`` in the plane along one path, leading shape (n,).
+    start : (n_directions, 3) array
+        Unit vectors at the start.
+    """
+    g = deformation.matrix
+    turned = np.empty((len(start), len(g), 3))
+    for k in range(2):
+        turned[..., k] = np.outer(start[:, 0], g[:, k, 0]) + np.outer(start[:, 1], g[:, k, 1])
+    # F = exp(scale) G: the height shrinks instead, so that nothing overflows
+    turned[..., 2] = np.outer(start[:, 2], np.exp(-deformation.scale))
+    turned /= np.sqrt(np.einsum("...i,...i->...", turned, turned))[..., None]
+    return turned
 
 
 def spatial_pressure(

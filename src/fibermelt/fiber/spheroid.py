@@ -160,6 +160,17 @@ class SpheroidResponse:
                     place[(*block, ..., k)] = part
         return SurfaceExtremes(lowest, highest, *places)
 
+    def extreme_values(self, gradient: ArrayLike, direction: ArrayLike) -> tuple[Array, Array]:
+        """Return ``lowest, highest`` of `extremes` without the places, at half the cost."""
+        L, p = checked_gradient(gradient, 3), checked_unit(direction)
+        shape = np.broadcast_shapes(L.shape[:-2], p.shape[:-1])
+        L, p = np.broadcast_to(L, (*shape, 3, 3)), np.broadcast_to(p, (*shape, 3))
+        lowest, highest = np.empty(shape), np.empty(shape)
+        for block in blocks(shape):
+            low, high, _, _ = extreme_eigenpairs(self._stress(L[block], _vector(p[block])))
+            lowest[block], highest[block] = -high, -low
+        return lowest, highest
+
     def eccentric_angle(self, where: ArrayLike, direction: ArrayLike) -> Array:
         """Return how far from the tip a place of `extremes` is [rad], 0 to pi/2 at the equator."""
         e, p = checked_unit(where, "where"), checked_unit(direction)

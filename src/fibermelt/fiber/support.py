@@ -34,6 +34,9 @@ JUMP_FRACTION = 0.25
 """Part of the maximum's way between two knots that its own drift leaves unexplained: above it, the
 maximum may have jumped, and the two ends' branches are kept apart."""
 
+EVEN = 1e-10
+"""Difference of ``h`` at opposite phases over its largest value that is rounding."""
+
 STILL = 1e-9
 """A way below which the maximum stands still [rad]: rounding of Newton's method."""
 
@@ -143,6 +146,43 @@ class SupportFunction:
         """Return `where` refined by Newton's method on the curve itself [rad]."""
         phase = np.asarray(phase, dtype=np.float64)
         return fold_angle(self.curve.maximise(phase, self.where(phase)))
+
+    @property
+    def slopes(self) -> Array:
+        """Return ``h'`` at the knots ``2 pi k/knots`` [-], (knots,)."""
+        return np.asarray(self._height.pieces[:, 1] * (self.knots / (2.0 * np.pi)))
+
+    @property
+    def even(self) -> bool:
+        """Return whether ``h(-phi) = h(phi)`` to rounding, as the fiber's mirror symmetry has it.
+
+        A mesh of the cell without that symmetry has none of it.
+        """
+        value = self._height.pieces[:, 0]
+        odd = np.max(np.abs(value[1:] - value[:0:-1]))
+        return bool(odd <= EVEN * np.max(np.abs(value)))
+
+    def near_corner(self, phase: Array) -> NDArray[np.bool_]:
+        """Return whether two branches are kept apart in or next to the phases' intervals."""
+        if not self._has_corners:
+            return np.zeros(np.shape(phase), dtype=np.bool_)
+        index, _ = self._locate(phase)
+        near = self._corners | np.roll(self._corners, 1) | np.roll(self._corners, -1)
+        return np.asarray(near[index])
+
+    def corner_heights(self) -> Array:
+        """Return ``h`` where the maximum jumps from one stretch of the curve to another [-]."""
+        at = np.nonzero(self._corners)[0]
+        before, after = self._height.before[at], self._height.after[at]
+        # the branches' difference in f, both parabolas from the left end
+        bend = before[:, 2] - after[:, 2]
+        slope = before[:, 1] - after[:, 1] + 2.0 * after[:, 2]
+        value = before[:, 0] - after[:, 0] + after[:, 1] - after[:, 2]
+        root = np.sqrt(np.maximum(slope * slope - 4.0 * bend * value, 0.0))
+        # the first branch falls below the second: the root where the difference falls
+        down = -slope + root
+        place = np.clip(2.0 * value / np.where(down == 0.0, 1.0, down), 0.0, 1.0)
+        return _parabola(before, place)
 
     def _locate(self, phase: Array) -> tuple[Index, Array]:
         """Return the interval of each phase and the fraction of it."""

@@ -129,7 +129,7 @@ CHAIN = Chain(
         ),
         Stage(
             "motion",
-            1,
+            2,
             _MOTION_PARAMETERS,
             ("streamlines", "cell"),
             motion_stage,

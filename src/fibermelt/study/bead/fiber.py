@@ -209,7 +209,8 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     else:
         followed = followed_in_space(parameters, path, model, middle, zone_time, say)
     bounds = pressure_bounds(path, model.response, viscosity)
-    say(f"{count} directions of an isotropic start")
+    if model.spheroid is not None:
+        say(f"{count} directions of an isotropic start")
     isotropic = model.isotropic_pressure(path, viscosity, middle, count, QUANTILE_LEVELS)
     return labelled(
         {

@@ -62,7 +62,8 @@ class Numerics(Section):
     )
     isotropic_angles: int = setting(
         360,
-        "Number of angles that stand for an isotropic start, for the quantiles.",
+        "Number of directions in space that stand for an isotropic start of spheroids, for the "
+        "quantiles; those of fibers in the plane are exact.",
         ge=3,
         le=10000,
     )
