@@ -58,6 +58,11 @@ class PlannedCase:
     kept: tuple[str, ...]
     result: str
 
+    @property
+    def result_key(self) -> str:
+        """Return the key of what is computed."""
+        return self.result
+
 
 @dataclass(frozen=True, slots=True)
 class Job:
@@ -83,6 +88,11 @@ class Job:
     needs: tuple[str, ...]
     neighbour: str = ""
     is_scaled: bool = False
+
+    @property
+    def result_key(self) -> str:
+        """Return the key of what is computed."""
+        return self.key
 
     @property
     def kind(self) -> str:

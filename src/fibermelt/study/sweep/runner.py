@@ -6,18 +6,19 @@ workers write what they find to the results folder, so that nothing is lost with
 
 from __future__ import annotations
 
-import math
 import time
-from collections import Counter, deque
-from dataclasses import dataclass, field, replace
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
 from fibermelt.study.progress import Observer, Silent, duration
 from fibermelt.study.runner import software_versions
 from fibermelt.study.stages import stage_parameters
+from fibermelt.study.sweep.agenda import AHEAD, Agenda, Item
 from fibermelt.study.sweep.cost import Progress, read_progress, write_progress
-from fibermelt.study.sweep.plan import Job, Plan, PlannedCase, plan_sweep
+from fibermelt.study.sweep.plan import Job, Plan, plan_sweep
 from fibermelt.study.sweep.pools import Died, Pool, open_pool
 from fibermelt.study.sweep.record import asked
 from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store, stage_folder
@@ -32,23 +33,11 @@ if TYPE_CHECKING:
 
 __all__ = ["run_sweep"]
 
-TASK_SECONDS = 1.0
-"""What a task should take [s]: long against the millisecond that dask spends on each."""
-
-LARGEST_TASK = 64
-"""Cases of a task, at most: what a killed worker loses, and open locks."""
-
-AHEAD = 2
-"""Tasks for each thread that are with the scheduler: one works, one waits."""
-
 TELL, NOTE = 0.5, 5.0
 """Times [s] between two lines of progress, and between two notes of it in the folder."""
 
 BUSY_PAUSE = 0.2
 """Time [s] after which a client asks again for what another one is at."""
-
-MEMORY = 0.3
-"""Weight of the last task in the mean time of its kind."""
 
 
 def run_sweep(
@@ -105,9 +94,13 @@ def run_sweep(
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
     cases.forget_failures(lasting=retry_failed)
-    work = _Work(plan, chain, cases, observer, began, read_progress(cases))
-    work.begin()
-    if work.left():
+    done = cases.refresh()
+    for path in cases.discard_damaged():
+        observer.done("store", f"{path.name} was damaged: its cases are computed anew")
+    stored = {key for key, job in plan.jobs.items() if _is_stored(directory, job)}
+    agenda = Agenda(plan, done, stored, cases.failures())
+    work = _Run(plan, agenda, cases, observer, began, len(stored))
+    if work.agenda.cases_left:
         folder = Folder(str(directory.resolve()), plan.base, chain)
         with open_pool(workers, scheduler, directory) as pool:
             work.through(pool, folder)
@@ -119,111 +112,28 @@ def run_sweep(
     return summary
 
 
-@dataclass
-class _Pace:
-    """How long one of a kind takes [s], as far as known."""
-
-    seconds: float = 0.0
-    known: bool = False
-
-    def learn(self, seconds: float) -> None:
-        """Take note of the mean time of one in a task."""
-        self.seconds += (MEMORY if self.known else 1.0) * (seconds - self.seconds)
-        self.known = True
+def _is_stored(directory: Path, job: Job) -> bool:
+    return stage_folder(directory, job.stage, job.key).is_dir()
 
 
-@dataclass
-class _Work:
-    """What is left of a sweep; the only state that changes while it runs."""
+class _Run:
+    """One client's run through a plan: hands out tasks, takes note of what comes back, tells."""
 
-    plan: Plan
-    chain: Chain
-    cases: CaseStore
-    observer: Observer
-    began: float
-    before: Progress
-    done: set[str] = field(default_factory=set)
-    failed: dict[str, str] = field(default_factory=dict)
-    reused: int = 0
-    blocked: dict[str, int] = field(default_factory=dict)
-    waiting: dict[str, list[Job | PlannedCase]] = field(default_factory=dict)
-    ready: dict[str, deque[Job | PlannedCase]] = field(default_factory=dict)
-    alone: deque[Job | PlannedCase] = field(default_factory=deque)
-    leading: deque[Job | PlannedCase] = field(default_factory=deque)
-    leaders: set[str] = field(default_factory=set)
-    later: deque[tuple[float, Job | PlannedCase]] = field(default_factory=deque)
-    pace: dict[str, _Pace] = field(default_factory=dict)
-    stages_left: set[str] = field(default_factory=set)
-    planned: Counter[str] = field(default_factory=Counter)
-    cases_left: int = 0
-    flying: int = 0
-    computed: int = 0
-    seconds: float = 0.0
-    processor: float = 0.0
-    told: float = 0.0
-    noted: float = 0.0
-
-    def begin(self) -> None:
-        """Find what is there, and what can be begun."""
-        results = self.plan.results()
-        self.done = self.cases.refresh() & set(results)
-        for path in self.cases.discard_damaged():
-            self.observer.done("store", f"{path.name} was damaged: its cases are computed anew")
-        failures = self.cases.failures()
-        todo = [case for case in results.values() if case.result not in self.done]
-        for case in todo:
-            if reason := next((k for k in case.keys.values() if k in failures), ""):
-                self.failed[case.result] = reason
-        todo = [case for case in todo if case.result not in self.failed]
-        there = {key for key, job in self.plan.jobs.items() if self._is_stored(job)}
-        self.reused = len(there)
-        self.stages_left = self._needed(todo, there | set(failures))
-        left = (job.stage for key, job in self.plan.jobs.items() if key in self.stages_left)
-        self.planned = Counter(left)
-        self.leaders = {self.plan.jobs[key].neighbour for key in self.stages_left}
-        for key, job in self.plan.jobs.items():
-            if key in self.stages_left:
-                needs = {*job.needs, job.neighbour} & self.stages_left
-                self._await(job, key, sorted(needs))
-        # Cases that share their stages follow one another: each worker reads them once.
-        for case in sorted(todo, key=lambda case: tuple(case.keys.values())):
-            needs = {case.keys[name] for name in case.kept} & self.stages_left
-            self._await(case, case.result, sorted(needs))
-        self.cases_left = len(todo)
-
-    def _is_stored(self, job: Job) -> bool:
-        return stage_folder(self.cases.directory, job.stage, job.key).is_dir()
-
-    def _needed(self, todo: list[PlannedCase], settled: set[str]) -> set[str]:
-        """Return the keys of all stages to keep that some cases need, and of their neighbours."""
-        needed: set[str] = set()
-        left = {case.keys[name] for case in todo for name in case.kept} - settled
-        while left:
-            needed |= left
-            jobs = [self.plan.jobs[key] for key in left]
-            left = {key for job in jobs if job.neighbour for key in (*job.needs, job.neighbour)}
-            left -= needed | settled
-        return needed
-
-    def _await(self, item: Job | PlannedCase, key: str, needs: list[str]) -> None:
-        """Have an item wait for stages, or be begun if there are none."""
-        if not needs:
-            self._queue(item)
-            return
-        self.blocked[key] = len(needs)
-        for need in needs:
-            self.waiting.setdefault(need, []).append(item)
-
-    def _queue(self, item: Job | PlannedCase) -> None:
-        """Have an item done: before all others if the next ones start from it."""
-        if _key(item) in self.leaders:
-            self.leading.append(item)
-            return
-        self.ready.setdefault(_kind(item), deque()).append(item)
-
-    def left(self) -> int:
-        """Return how many cases have no numbers and no failure yet."""
-        return self.cases_left
+    def __init__(
+        self,
+        plan: Plan,
+        agenda: Agenda,
+        cases: CaseStore,
+        observer: Observer,
+        began: float,
+        reused: int,
+    ) -> None:
+        self.plan, self.agenda, self.cases, self.observer = plan, agenda, cases, observer
+        self.began, self.before, self.reused = began, read_progress(cases), reused
+        self.later: deque[tuple[float, Item]] = deque()
+        self.flying = self.computed = 0
+        self.seconds = self.processor = 0.0
+        self.told = self.noted = 0.0
 
     def through(self, pool: Pool, folder: Folder) -> None:
         """Hand out tasks until nothing is left.
@@ -233,12 +143,12 @@ class _Work:
         StoreError
             If the folder cannot be written or read any more.
         """
-        while self.left():
+        while self.agenda.cases_left:
             self._return_busy()
             while self.flying < AHEAD * max(1, pool.threads()) and (
-                task := self._next_task(pool, folder)
+                items := self.agenda.next(pool.threads())
             ):
-                pool.submit(task)
+                pool.submit(self._task(folder, items))
                 self.flying += 1
             finished = pool.next(BUSY_PAUSE)
             if finished is not None:
@@ -249,55 +159,41 @@ class _Work:
     def _return_busy(self) -> None:
         now = time.monotonic()
         while self.later and self.later[0][0] <= now:
-            self._queue(self.later.popleft()[1])
+            self.agenda.add(self.later.popleft()[1])
 
-    def _next_task(self, pool: Pool, folder: Folder) -> Task | None:
-        """Return what should be done next: numbers of cases first, which are then out of mind.
-
-        Only that from which others start comes before, so that these do not wait at the end.
-        """
-        for single in (self.alone, self.leading):
-            if single:
-                return self._task(folder, [single.popleft()])
-        kinds = [kind for kind, items in self.ready.items() if items]
-        if not kinds:
-            return None
-        kind = "case" if "case" in kinds else kinds[-1]
-        items, pace = self.ready[kind], self.pace.setdefault(kind, _Pace())
-        count = 1
-        if pace.known:
-            share = math.ceil(len(items) / (AHEAD * max(1, pool.threads())))
-            count = min(LARGEST_TASK, share, int(TASK_SECONDS / max(pace.seconds, 1e-3)))
-        return self._task(folder, [items.popleft() for _ in range(min(max(1, count), len(items)))])
-
-    def _task(self, folder: Folder, items: list[Job | PlannedCase]) -> Task:
+    def _task(self, folder: Folder, items: Sequence[Item]) -> Task:
         """Return the task of some items of one kind."""
         stage = items[0].stage if isinstance(items[0], Job) else ""
         cases = tuple(item.case if isinstance(item, Job) else item for item in items)
         return Task(folder, stage, cases, self.plan.starts(cases))
+
+    def _items(self, task: Task) -> list[Item]:
+        if not task.stage:
+            return list(task.cases)
+        return [self.plan.jobs[case.keys[task.stage]] for case in task.cases]
 
     def _take(self, task: Task, outcomes: list[Outcome] | Died) -> None:
         """Take note of what became of a task."""
         if isinstance(outcomes, Died):
             self._take_dead(task)
             return
-        items = {_key(item): item for item in self._items(task)}
+        items = {item.result_key: item for item in self._items(task)}
         computed = [outcome.seconds for outcome in outcomes if outcome.state == "done"]
         if computed:
-            pace = self.pace.setdefault(_kind(next(iter(items.values()))), _Pace())
-            pace.learn(sum(computed) / len(computed))
+            self.agenda.learn(next(iter(items.values())), sum(computed) / len(computed))
         for outcome in outcomes:
+            item = items[outcome.key]
             if outcome.state == "storage":
                 raise StoreError(outcome.note)
             if outcome.note:
                 self.observer.done("store", outcome.note)
             if outcome.state == "busy":
-                self.later.append((time.monotonic() + BUSY_PAUSE, items[outcome.key]))
+                self.later.append((time.monotonic() + BUSY_PAUSE, item))
             elif outcome.state == "failed":
-                self._fail(items[outcome.key], outcome.failed)
+                self.agenda.fail(item, outcome.failed)
             else:
                 self.reused += outcome.state == "found" and bool(task.stage)
-                self._finish(items[outcome.key])
+                self.agenda.finish(item)
             if outcome.state == "done" and not task.stage:
                 self.computed += 1
                 self.seconds += outcome.seconds
@@ -307,7 +203,7 @@ class _Work:
         """Try each part of a task by itself that workers died of; give up one that is by itself."""
         items = self._items(task)
         if len(items) > 1:
-            self.alone.extend(items)
+            self.agenda.part(items)
             return
         (case,) = task.cases
         name = task.stage or list(case.keys)[-1]
@@ -322,74 +218,31 @@ class _Work:
             lasting=False,
         )
         self.cases.write_failure(failure)
-        self._fail(items[0], failure.key)
-
-    def _items(self, task: Task) -> list[Job | PlannedCase]:
-        if not task.stage:
-            return list(task.cases)
-        return [self.plan.jobs[case.keys[task.stage]] for case in task.cases]
-
-    def _finish(self, item: Job | PlannedCase) -> None:
-        if isinstance(item, PlannedCase):
-            self.done.add(item.result)
-            self.cases_left -= 1
-            return
-        self.stages_left.discard(item.key)
-        for other in self.waiting.pop(item.key, []):
-            self._release(other)
-
-    def _release(self, item: Job | PlannedCase) -> None:
-        """Take note that an item waits for one stage less."""
-        key = _key(item)
-        if key in self.blocked:
-            self.blocked[key] -= 1
-            if self.blocked[key] == 0:
-                del self.blocked[key]
-                self._queue(item)
-
-    def _fail(self, item: Job | PlannedCase, reason: str) -> None:
-        """Fail what has no answer, and all that waits for it but what would only start from it."""
-        if isinstance(item, PlannedCase):
-            self.failed[item.result] = reason
-            self.cases_left -= 1
-            return
-        self.stages_left.discard(item.key)
-        for other in self.waiting.pop(item.key, []):
-            if isinstance(other, Job) and other.neighbour == item.key:
-                self._release(other)
-            elif self.blocked.pop(_key(other), 0):
-                self._fail(other, reason)
+        self.agenda.fail(items[0], failure.key)
 
     def _tell(self, pool: Pool) -> None:
         now = time.perf_counter()
         if now - self.told > TELL:
             self.told = now
-            count, total = len(self.done), len(self.done) + len(self.failed) + self.cases_left
-            failed = f", {len(self.failed)} failed" if self.failed else ""
-            line = f"{count} of {total} cases{failed}{self._stages_told()}{self._to_go(pool)}"
-            self.observer.tick("sweep", line)
+            self.observer.tick("sweep", self._how_far(pool.threads()))
         if now - self.noted > NOTE:
             self.noted = now
             write_progress(self.cases, self.progress())
 
-    def _stages_told(self) -> str:
-        """Return how many of the stages to keep there are, those of which some are to come."""
-        left = Counter(self.plan.jobs[key].stage for key in self.stages_left)
-        told = ((name, count) for name, count in self.planned.items() if left[name])
-        return "".join(f", {name} {count - left[name]} of {count}" for name, count in told)
-
-    def _to_go(self, pool: Pool) -> str:
-        """Return the time to go in words, as far as every kind of work left has been seen."""
-        if pool.threads() == 0:
-            return ", waiting for workers"
-        left: dict[str, int] = {"case": self.cases_left}
-        for key in self.stages_left:
-            name = self.plan.jobs[key].kind
-            left[name] = left.get(name, 0) + 1
-        if not all(self.pace.get(kind, _Pace()).known for kind, count in left.items() if count):
-            return ""
-        seconds = sum(count * self.pace[kind].seconds for kind, count in left.items() if count)
-        return f", about {duration(seconds / pool.threads())} to go"
+    def _how_far(self, threads: int) -> str:
+        """Return how many cases there are, the stages of which some are to come, and how long."""
+        agenda = self.agenda
+        done, failed = len(agenda.done), len(agenda.failed)
+        told = [f"{done} of {done + failed + agenda.cases_left} cases"]
+        told += [f"{failed} failed"] if failed else []
+        stages = agenda.stages().items()
+        told += [f"{name} {there} of {count}" for name, (there, count) in stages if there < count]
+        left = agenda.seconds_left()
+        if threads == 0:
+            told.append("waiting for workers")
+        elif left is not None:
+            told.append(f"about {duration(left / threads)} to go")
+        return ", ".join(told)
 
     def progress(self) -> Progress:
         """Return how far this run is, with what the ones before it computed."""
@@ -406,16 +259,8 @@ class _Work:
         """Return what became of all cases, those that are alike counted one by one."""
         return {
             "cases": len(self.plan.cases),
-            "done": sum(case.result in self.done for case in self.plan.cases),
-            "failed": sum(case.result in self.failed for case in self.plan.cases),
+            "done": sum(case.result in self.agenda.done for case in self.plan.cases),
+            "failed": sum(case.result in self.agenda.failed for case in self.plan.cases),
             "reused_stages": self.reused,
             "wall_s": time.perf_counter() - self.began,
         }
-
-
-def _key(item: Job | PlannedCase) -> str:
-    return item.key if isinstance(item, Job) else item.result
-
-
-def _kind(item: Job | PlannedCase) -> str:
-    return item.kind if isinstance(item, Job) else "case"
