@@ -65,10 +65,13 @@ def cases_taken(swept: tuple[Path, Path], workers: int) -> float:
     began: list[float] = []
 
     class Watch:
-        def step(self, stage: str, line: str) -> None:
+        def tick(self, stage: str, line: str) -> None:
             # The first line that counts cases is told when the workers are up.
             if " of " in line and not line.startswith("0 of "):
                 began.append(time.perf_counter())
+
+        def step(self, stage: str, line: str) -> None:
+            pass
 
         done = step
 

@@ -18,7 +18,7 @@ from fibermelt.errors import LONGEST, ConfigError, legible
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["parse", "shown"]
+__all__ = ["parse", "parse_difference", "shown"]
 
 _QUANTITY = re.compile(
     r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
@@ -160,6 +160,32 @@ def parse(value: object, unit: str) -> float:
         msg = "is not finite"
         raise ConfigError(msg)
     return number
+
+
+def parse_difference(value: object, unit: str) -> float:
+    """Return the difference of two quantities in SI: of temperatures without their zero.
+
+    Parameters
+    ----------
+    value, unit
+        As in `parse`.
+
+    Raises
+    ------
+    ConfigError
+        As `parse`.
+
+    Examples
+    --------
+    >>> parse_difference("10 degC", "K")
+    10.0
+    """
+    number = parse(value, unit)
+    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    given = (match["unit"] or "").strip() if match else ""
+    if match is None or not given:
+        return number
+    return _scaled(match["number"], _scale(given, unit)[0])
 
 
 def _float(number: float) -> float:

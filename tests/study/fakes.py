@@ -83,7 +83,7 @@ class Notes:
     def step(self, stage: str, line: str) -> None:
         self.lines.append(f"{stage}: {line}")
 
-    done = step
+    tick = done = step
 
     def reused(self) -> list[str]:
         return [line.split(":")[0] for line in self.lines if "reused" in line]

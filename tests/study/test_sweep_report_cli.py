@@ -25,7 +25,7 @@ parts = ["interaction", "claims"]
 "interaction.volume_fraction" = [0.05, 0.084]
 """
 
-SHIPPED = {"window": 9, "viscosity-speed": 9, "aspect-content": 9, "nozzle": 11}
+SHIPPED = {"window": 9, "viscosity-speed": 9, "aspect-content": 9, "nozzle": 11, "population": 64}
 
 
 def fibermelt(*arguments):
@@ -41,7 +41,10 @@ def cheap(monkeypatch):
 def test_a_sweep_ends_with_its_report(tmp_path):
     study, out = fake_sweeps.study_file(tmp_path, FAKE), tmp_path / "out"
     done = fibermelt("sweep", study, "--out", out, "--workers", 0)
-    assert (done.exit_code, done.stdout.splitlines()[-1].split()[0]) == (0, "report")
+    names = [line.split()[0] for line in done.stdout.splitlines()]
+    assert done.exit_code == 0
+    assert [names.count(name) for name in ("cases", "results", "report")] == [1, 1, 1]
+    assert "aspect ratio from" in done.stdout
     page = (out / "report.html").read_bytes()
     assert b"3 of 6 cases have an answer, 3 failed" in page
     assert b"flow.gap = 0.002 m: no steady surface" in page

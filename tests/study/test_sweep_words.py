@@ -1,6 +1,5 @@
 """What the commands for sweeps say to who meets them first, and what they foretell."""
 
-import itertools
 import json
 import re
 
@@ -96,16 +95,6 @@ def test_the_results_folder_has_the_name_of_the_study(tmp_path, monkeypatch):
     assert (done.exit_code, "6 of 6 done" in done.stdout) == (0, True)
     assert (tmp_path / "results" / "swept" / "report.html").exists()
     assert "6 done, 0 failed, 0 to do" in fibermelt("plan", study).stdout
-
-
-def test_a_log_says_nothing_twice(tmp_path, monkeypatch):
-    """A case takes longer than the time between two lines, which then say the same."""
-    monkeypatch.setattr("fibermelt.study.sweep.runner.TELL", 0.0)
-    study = fake_sweeps.study_file(tmp_path, CHAINED)
-    done = fibermelt("sweep", study, "--out", tmp_path / "out", "--workers", 0)
-    lines = done.stderr.splitlines()
-    assert all(one != other for one, other in itertools.pairwise(lines))
-    assert "sweep: 0 of 8 cases, left 3 flow" in done.stderr
 
 
 def records(out):

@@ -2,7 +2,10 @@
 
 import json
 import os
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -94,6 +97,19 @@ def test_leftovers_of_another_machine_go_when_they_are_old(tmp_path):
     os.utime(old, (0, 0))
     remove_leftovers(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [young.name]
+
+
+@pytest.mark.skipif(not hasattr(os, "waitid"), reason="no zombies here")
+def test_what_a_dead_process_left_goes_although_nobody_waited_for_it(tmp_path):
+    """Its number is still taken until its parent, or whoever adopts it, asks for its end."""
+    child = subprocess.Popen([sys.executable, "-c", ""])
+    os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT)
+    host = partial(tmp_path).name.removeprefix(".partial-").split("-")[0]
+    (tmp_path / f".partial-{host}-{child.pid}-aa").touch()
+    remove_leftovers(tmp_path)
+    left = list(tmp_path.iterdir())
+    child.wait()
+    assert left == [] or not Path("/proc/self/stat").exists()
 
 
 def test_a_lock_is_held_by_one_at_a_time(tmp_path):

@@ -115,3 +115,44 @@ def test_a_case_that_cannot_be_is_named(tmp_path):
 def test_a_study_without_a_sweep_says_how_to_run_it():
     with pytest.raises(ConfigError, match=r"paper: has no table \[sweep\].*or use fibermelt run"):
         read_sweep(load_study("paper"))
+
+
+@pytest.mark.parametrize(
+    ("over", "values"),
+    [
+        ("flow.gap=2.5 mm, 3 mm", [2.5e-3, 3e-3]),
+        ('flow.gap = ["2.5 mm", 0.003]', [2.5e-3, 3e-3]),
+        ('flow.gap={from="2 mm", to="3 mm", count=3}', [2e-3, 2.5e-3, 3e-3]),
+        ("fiber.aspect_ratio=4,6", [4.0, 6.0]),
+        ("flow.gap=3 mm", [3e-3]),
+    ],
+)
+def test_what_varies_can_be_named_on_the_command_line(over, values):
+    study = load_study("paper", over=[over])
+    key = over.partition("=")[0].strip()
+    points = [case.point for case in read_sweep(study).cases()]
+    assert [point[key] for point in points] == pytest.approx(values, rel=1e-15)
+    assert f"over {over}" in study.origin
+
+
+def test_the_command_line_adds_to_the_table_and_replaces_in_it(tmp_path):
+    path = tmp_path / "swept.toml"
+    path.write_text('preset = "paper"\n[sweep]\n"flow.gap" = ["2.5 mm"]\n')
+    study = load_study(str(path), over=["flow.gap=3 mm, 4 mm", "fiber.aspect_ratio=4, 6, 8"])
+    assert read_sweep(study).shape == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("over", "said"),
+    [
+        ("flow.gap", "write it as key=values"),
+        ("flow.gap=", "write it as key=values"),
+        ("=3 mm", "write it as key=values"),
+        ("flow.gapp=3 mm", r"sweep\.flow\.gapp: unknown key; did you mean"),
+        ("flow.gap=3 mm,,4 mm", r"case 2 of the sweep .*flow\.gap"),
+        ("flow.gap=3 kg", r"flow\.gap"),
+    ],
+)
+def test_a_wrong_name_or_value_of_what_varies_is_refused(over, said):
+    with pytest.raises(ConfigError, match=said):
+        read_sweep(load_study("paper", over=[over])).cases()

@@ -7,10 +7,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.report.sweep.figures import effect, sweep_plates
+from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.indices import quantiles, sobol_indices
+from fibermelt.study.sweep.effects import effect
+from fibermelt.study.sweep.indices import sobol_indices
 from fibermelt.study.sweep.responses import responses_of
 from fibermelt.study.sweep.table import sweep_table
 
@@ -165,12 +166,6 @@ def test_a_saltelli_design_needs_a_power_of_two(tmp_path):
     path.write_text(f'preset = "paper"\n[sweep]\n{sampled("saltelli", 100)}')
     with pytest.raises(ConfigError, match=r"samples = 100: .* such as 64 or 128; .* 5 cases"):
         read_sweep(load_study(str(path)))
-
-
-def test_quantiles_leave_out_what_failed():
-    values = np.append(np.arange(101.0), np.nan)
-    np.testing.assert_allclose(quantiles(values), [5.0, 50.0, 95.0])
-    assert np.isnan(quantiles(np.array([np.nan]))).all()
 
 
 def test_a_grid_has_effects_and_maps(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fibermelt.study.bead.flow import flow_but_for_scale
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
@@ -66,12 +67,20 @@ def test_numbers_that_are_not_positive_count_in_parts_of_the_largest():
     assert shifted(-1.0, -0.8) == [None, 0]
 
 
-def test_those_that_scale_hang_from_one_whatever_the_factor():
-    melts = [{"flow.gap": 3.0, "melt.viscosity": value} for value in (1.0, 1e3, 1e6)]
-    other = {"flow.gap": 3.3, "melt.viscosity": 1.0}
-    assert neighbours([*melts, other], ("melt",)) == [None, 0, 0, 0]
-    assert neighbours(melts, ("melt.viscosity",)) == [None, 0, 0]
-    assert neighbours(melts) == [None, None, None]
+def test_those_that_differ_in_a_scale_only_hang_from_one():
+    assert neighbours(gaps(3.0, 3.0, 3.3, 3.0)) == [None, 0, 0, 0]
+
+
+def test_a_flow_scales_with_the_melt_and_with_both_speeds():
+    nozzle = {"flow.gap": 3e-3, "numerics.flow_order": 3}
+
+    def flow(inlet, bed, viscosity):
+        speeds = {"flow.inlet_speed": inlet, "flow.bed_speed": bed}
+        return flow_but_for_scale({**nozzle, **speeds, "melt.viscosity": viscosity})
+
+    # The paper's speeds, and a quarter of them.
+    assert flow(24e-3, 101.6e-3, 817.0) == flow(6e-3, 25.4e-3, 400.0)
+    assert flow(24e-3, 101.6e-3, 817.0) != flow(24.001e-3, 101.6e-3, 817.0)
 
 
 number = st.floats(1e-3, 1e3)

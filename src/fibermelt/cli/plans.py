@@ -69,6 +69,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
         f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
         f"{listed['failed']} failed, {listed['pending']} to do"
     ]
+    lines += [f"{'':<16}{key}: {text}" for key, text in listed["sampled"].items()]
     for name, count in listed["stages"].items():
         kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
         lines.append(f"{name:<16}{count['results']} for all cases{kept}")

@@ -28,6 +28,7 @@ from fibermelt.cli.common import (
     told,
 )
 from fibermelt.errors import ConfigError, legible
+from fibermelt.study.progress import Silent
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
@@ -71,14 +72,11 @@ def _ended_in_order() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-class _Notes:
+class _Notes(Silent):
     """Prints nothing; keeps what was mended in the folder, which must not go unsaid."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-
-    def step(self, stage: str, line: str) -> None:
-        """Ignore it."""
 
     def done(self, stage: str, line: str) -> None:
         """Keep what concerns the folder."""
@@ -177,10 +175,13 @@ def _go(
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.study.sweep.answer import answer_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.collect import collect_sweep  # noqa: PLC0415
 
-        path = write_sweep_report(folder)
+        collected = collect_sweep(folder)
+        path = write_sweep_report(folder, collected)
         if not as_json:
-            say(f"report          {_shown(path)}")
+            say("\n".join([f"report          {_shown(path)}", *answer_sweep(collected)]))
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:

@@ -1,35 +1,67 @@
-"""A solved flow with another melt: viscosity scales the pressure and nothing else."""
+"""A solved flow with another melt, or with both speeds faster by one factor: it only scales."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from fibermelt.errors import ConfigError
 from fibermelt.flow.deposition import FlowSolution
-from fibermelt.rheology import Newtonian
+from fibermelt.flow.problem import Deposition
 
-__all__ = ["rescaled"]
+__all__ = ["RATIO_DIGITS", "rescaled", "speed_ratio"]
+
+RATIO_DIGITS = 12
+"""Significant digits of a ratio of speeds that must agree: three less than a quotient has."""
 
 
-def rescaled(solution: FlowSolution, melt: Newtonian) -> FlowSolution:
-    """Return ``solution`` with ``melt`` in place of its own.
+def speed_ratio(inlet_speed: float, bed_speed: float) -> float:
+    """Return the mean inlet speed over the bed's, without what rounding makes of it."""
+    return float(f"{inlet_speed / bed_speed:.{RATIO_DIGITS}g}")
 
-    The flow is solved in units of capillary width, bed speed and viscosity (Stokes, Eq. 1-4: no
-    inertia, gravity or surface tension), so surfaces, velocity and gradient stay as they are to
-    the last bit; pressures scale with the viscosity, to rounding.
+
+def rescaled(solution: FlowSolution, problem: Deposition) -> FlowSolution:
+    """Return the solution of ``problem``, one of the same nozzle and the same ratio of speeds.
+
+    The flow is solved in units of capillary width ``W``, bed speed ``V`` and viscosity ``mu``
+    (Stokes, Eq. 1-4: no inertia, gravity or surface tension), so surfaces stay as they are;
+    velocities, their gradient and the stream function scale with ``V``, pressures with ``mu V``,
+    all to rounding.
 
     Parameters
     ----------
     solution : FlowSolution
         A solved flow.
-    melt : Newtonian
-        The other melt; its viscosity [Pa s] counts.
+    problem : Deposition
+        The other melt and speeds.
+
+    Raises
+    ------
+    ConfigError
+        If the nozzles or the ratios of the speeds differ.
     """
-    factor = melt.viscosity / solution.problem.melt.viscosity
+    solved = solution.problem
+    ratios = [speed_ratio(one.inlet_speed, one.bed_speed) for one in (solved, problem)]
+    if problem.nozzle != solved.nozzle or ratios[0] != ratios[1]:
+        msg = (
+            f"a flow scales to another melt and to faster speeds only: flow.inlet_speed over "
+            f"flow.bed_speed is {ratios[1]:g} where {ratios[0]:g} was solved, or the nozzle is "
+            "another; solve it, from the surfaces of this one (start=)"
+        )
+        raise ConfigError(msg)
+    faster = problem.bed_speed / solved.bed_speed
+    stress = faster * (problem.melt.viscosity / solved.melt.viscosity)
     field = solution.field
     return replace(
         solution,
-        problem=replace(solution.problem, melt=melt),
-        field=replace(field, pressure=field.pressure * factor),
-        inlet_pressure=solution.inlet_pressure * factor,
-        error=replace(solution.error, inlet_pressure=solution.error.inlet_pressure * factor),
+        problem=problem,
+        field=replace(
+            field,
+            velocity=field.velocity * faster,
+            pressure=field.pressure * stress,
+            gradient=field.gradient * faster,
+            stream_function=field.stream_function * faster,
+            gradient_error=field.gradient_error * faster,
+        ),
+        inlet_pressure=solution.inlet_pressure * stress,
+        error=replace(solution.error, inlet_pressure=solution.error.inlet_pressure * stress),
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fibermelt.study.bead.fiber import cell_stage, motion_stage
 from fibermelt.study.bead.flow import (
     FLOW_NUMERICS,
+    flow_but_for_scale,
     flow_from,
     flow_stage,
     streamlines_stage,
@@ -110,7 +111,7 @@ CHAIN = Chain(
             (),
             flow_stage,
             compute_from=flow_from,
-            scaled=("melt",),
+            but_for_scale=flow_but_for_scale,
         ),
         Stage(
             "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"

@@ -140,17 +140,26 @@ def remove(path: Path) -> None:
 def _is_abandoned(leftover: Path) -> bool:
     host, process, token = leftover.name.removeprefix(PARTIAL).split("-")
     if host == socket.gethostname().replace("-", "_") and os.name == "posix":
-        try:
-            os.kill(int(process), 0)
-        except ProcessLookupError:
+        if _is_dead(int(process)):
             return True
-        except PermissionError:
-            return False
         return int(process) == os.getpid() and not token.startswith(_PROCESS)
     try:
         return time.time() - leftover.stat().st_mtime > LEFTOVER_AGE
     except FileNotFoundError:
         return False
+
+
+def _is_dead(process: int) -> bool:
+    """Tell whether a process of this machine is gone, or was killed and waits for its parent."""
+    try:
+        os.kill(process, 0)
+        # The state follows the name in brackets, which may hold anything.
+        state = Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()
+    except ProcessLookupError:
+        return True
+    except OSError:
+        return False
+    return state[:1] == ["Z"]
 
 
 def write_sealed(path: Path, content: Mapping[str, Any]) -> None:

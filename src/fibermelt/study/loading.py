@@ -62,7 +62,7 @@ def preset_names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in shipped if entry.is_file())
 
 
-def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
+def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = ()) -> Study:
     """Return a study, resolved and checked.
 
     Parameters
@@ -71,6 +71,8 @@ def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
         The path of a TOML file, or the name of a shipped study.
     overrides : sequence of str
         ``"flow.gap=3.5 mm"`` and the like; they win over the file, and the file over its preset.
+    over : sequence of str
+        What varies besides or instead: ``"flow.gap=2.5 mm, 3 mm"`` is an entry of ``[sweep]``.
 
     Raises
     ------
@@ -99,6 +101,9 @@ def load_study(study: str, overrides: Sequence[str] = ()) -> Study:
     if sweep is not None and not isinstance(sweep, Mapping):
         msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
         raise ConfigError(msg)
+    if over:
+        sweep = {**(sweep or {}), **dict(map(_varying, over))}
+        origin += ", over " + " and ".join(over)
     return Study(
         name=name,
         origin=legible(origin, len(origin)),
@@ -240,6 +245,21 @@ def _overriding(overrides: Sequence[str]) -> dict[str, Any]:
             nested = {part: nested}
         tables = merged(tables, nested)
     return tables
+
+
+def _varying(over: str) -> tuple[str, object]:
+    """Return key and entry of ``[sweep]`` that ``flow.gap=2.5 mm, 3 mm`` stands for."""
+    key, equals, text = (part.strip() for part in over.partition("="))
+    if not (key and equals and text):
+        msg = (
+            f'--over {legible(over)}: write it as key=values, such as --over flow.gap="3 mm, 4 mm"'
+        )
+        raise ConfigError(msg)
+    where = f"--over {legible(key)}"
+    entry = _override_value(text, where)
+    if isinstance(entry, list | Mapping):
+        return key, entry
+    return key, [_override_value(value.strip(), where) for value in text.split(",")]
 
 
 def _override_value(text: str, where: str) -> object:

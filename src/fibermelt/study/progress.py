@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TextIO
 
@@ -23,11 +24,19 @@ def duration(seconds: float) -> str:
     return f"{seconds / 3600:.1f} h"
 
 
+LOG_PAUSE, LOG_SHARE = 10.0, 0.02
+"""Least time [s] between two lines of a log that tell how far the whole is, and as a share of the
+time so far: a day's log has then some hundreds of them."""
+
+
 class Observer(Protocol):
     """Who is told how a run goes."""
 
     def step(self, stage: str, line: str) -> None:
-        """Take note of how far a stage is."""
+        """Take note of a step of a stage."""
+
+    def tick(self, stage: str, line: str) -> None:
+        """Take note of how far the whole is, told again and again."""
 
     def done(self, stage: str, line: str) -> None:
         """Take note that a stage is finished, and how."""
@@ -39,21 +48,37 @@ class Silent:
     def step(self, stage: str, line: str) -> None:
         """Ignore it."""
 
+    def tick(self, stage: str, line: str) -> None:
+        """Ignore it."""
+
     def done(self, stage: str, line: str) -> None:
         """Ignore it."""
 
 
 class PlainProgress:
-    """One short line for each step: for logs and pipes.
+    """One short line for each step, and now and then one of the whole: for logs and pipes.
 
     Parameters
     ----------
     stream : text stream
         Where they go.
+    clock : callable
+        The time [s].
     """
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = stream
+        self._clock = clock
+        self._began = self._ticked = clock()
+        self._last = ""
+
+    def tick(self, stage: str, line: str) -> None:
+        """Write the line, unless it says nothing new or comes too soon after the last one."""
+        now = self._clock()
+        pause = max(LOG_PAUSE, LOG_SHARE * (now - self._began))
+        if line != self._last and now - self._ticked >= pause:
+            self._last, self._ticked = line, now
+            self.step(stage, line)
 
     def step(self, stage: str, line: str) -> None:
         """Write the line."""
@@ -75,6 +100,8 @@ class TerminalProgress:
         from rich.text import Text  # noqa: PLC0415  lazy: pipes never need it
 
         self._status.update(Text(f"{stage}: {line}"))
+
+    tick = step
 
     def done(self, stage: str, line: str) -> None:
         """Leave the line on the screen."""

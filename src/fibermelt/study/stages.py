@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.study.files import canonical, digest
@@ -129,8 +130,9 @@ class Stage:
     compute_from : callable, optional
         Does it from the result of a neighbour, to the same answer within its stated error: in a
         sweep, where neighbours abound. It is no part of the stage's key.
-    scaled : tuple of str
-        Keys or tables to whose values ``compute_from`` brings a neighbour's result by scaling.
+    but_for_scale : callable, optional
+        From its parameters to what decides its result but for a scale: to neighbours that agree
+        in it ``compute_from`` brings a result by scaling. All parameters by default.
     """
 
     name: str
@@ -142,7 +144,7 @@ class Stage:
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
     compute_from: ComputeFrom | None = None
-    scaled: tuple[str, ...] = ()
+    but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
 
     @property
     def heading(self) -> str:
@@ -162,18 +164,22 @@ def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:
     KeyError
         If it declares a key or a table that no study has.
     """
-    part: dict[str, Value] = {}
-    for declared in stage.parameters:
-        found = {
-            key: value
-            for key, value in values.items()
-            if key == declared or key.startswith(f"{declared}.")
-        }
+    return Parameters(
+        {key: values[key] for key in _read_by(stage.name, stage.parameters, tuple(values))}
+    )
+
+
+@lru_cache(maxsize=256)
+def _read_by(stage: str, parameters: tuple[str, ...], known: tuple[str, ...]) -> tuple[str, ...]:
+    """Return which of the keys of a study a stage reads: the same for every case of a sweep."""
+    read: list[str] = []
+    for declared in parameters:
+        found = [key for key in known if key == declared or key.startswith(f"{declared}.")]
         if not found:
-            msg = f"stage {stage.name} declares {declared}, which no study has"
+            msg = f"stage {stage} declares {declared}, which no study has"
             raise KeyError(msg)
-        part.update(found)
-    return Parameters(part)
+        read.extend(found)
+    return tuple(read)
 
 
 def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]:

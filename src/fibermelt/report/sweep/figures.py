@@ -19,6 +19,11 @@ from fibermelt.report.plates import Plate
 from fibermelt.report.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
 from fibermelt.report.style import styled as in_style
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
+from fibermelt.report.sweep.population import (
+    figure_population,
+    has_population,
+    population_words,
+)
 from fibermelt.report.sweep.shares import (
     all_indices,
     index_words,
@@ -28,16 +33,16 @@ from fibermelt.report.sweep.shares import (
 )
 from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.report.tables import number
+from fibermelt.study.sweep.effects import effect
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 from fibermelt.study.sweep.window import critical_moistures
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.report.style import Array
     from fibermelt.study.sweep.responses import Response
 
-__all__ = ["effect", "effects_words", "sweep_effects", "sweep_plates"]
+__all__ = ["effects_words", "sweep_effects", "sweep_plates"]
 
 ACROSS = 5
 """Parameters side by side: with more, a page has no room for their numbers."""
@@ -51,47 +56,6 @@ MANY_POINTS = 400
 
 LABEL_WIDTH = 20
 """Letters of an axis label on a line."""
-
-
-def effect(table: SweepTable, response: Response, axis: Varied) -> tuple[Array, Array]:
-    """Return the main effect of a parameter: values of it, and mean, least and largest response.
-
-    Of a grid the mean is over all other parameters: over those combinations of them of which every
-    value of this one has an answer, so that failed cases do not pass for an effect; if there are
-    none, over what is there. One at a time there is one case for each value.
-
-    Parameters
-    ----------
-    table : SweepTable
-        A grid, or one at a time.
-    response, axis : Response, Varied
-        One of its responses, and of what varied.
-
-    Returns
-    -------
-    levels : (n,) ndarray
-        Values of the parameter, in rising order.
-    found : (3, n) ndarray
-        Mean, least and largest response; NaN where no case has an answer.
-    """
-    place = table.axes.index(axis)
-    if table.groups:
-        chosen = list(table.groups[place])
-        order = np.argsort(axis.values[chosen], kind="stable")
-        values = response.values[chosen][order]
-        return axis.values[chosen][order], np.stack([values] * 3)
-    grid = np.moveaxis(response.values.reshape(table.shape), place, 0)
-    rows = grid.reshape(len(grid), -1)
-    whole = np.isfinite(rows).all(axis=0)
-    rows = rows[:, whole] if whole.any() else rows
-    at = np.moveaxis(axis.values.reshape(table.shape), place, 0).reshape(len(grid), -1)[:, 0]
-    order = np.argsort(at, kind="stable")
-    found = np.full((3, len(rows)), np.nan)
-    for row, values in enumerate(rows[order]):
-        there = values[np.isfinite(values)]
-        if there.size:
-            found[:, row] = there.mean(), there.min(), there.max()
-    return at[order], found
 
 
 def sweep_effects(collected: xr.Dataset, first: int = 0) -> Figure:
@@ -238,6 +202,10 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     words: Callable[[xr.Dataset], Words]
     if _is_window(collected):
         found.append(Plate("window", "The process window", figure_window, window_words))
+    if has_population(collected, table):
+        found.append(
+            Plate("population", "Pressures over the bead", figure_population, population_words)
+        )
     if table.varying:
         for first in range(0, len(table.axes), ACROSS):
             draw = partial(sweep_effects, first=first)

@@ -23,6 +23,7 @@ from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
 from fibermelt.study.files import replace_file
 from fibermelt.study.schema import REPORT
+from fibermelt.study.sweep.answer import answer_sweep
 from fibermelt.study.sweep.collect import collect_sweep
 from fibermelt.study.sweep.cost import read_computed
 from fibermelt.study.sweep.table import sweep_table
@@ -68,6 +69,7 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
     )
     page = _template().render(
         title=table.title,
+        answer=answer_sweep(collected),
         varied=varied_told(collected, table),
         cases=cases_told(table),
         figures=_figures(collected),
@@ -77,17 +79,26 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
     return str(page).encode()
 
 
-def write_sweep_report(directory: Path) -> Path:
+def write_sweep_report(directory: Path, collected: xr.Dataset | None = None) -> Path:
     """Write the report of a sweep into its results folder, and return its path.
 
     It is called report.html, or sweep.html where a run into the same folder has that name.
+
+    Parameters
+    ----------
+    directory : Path
+        The results folder.
+    collected : xarray.Dataset, optional
+        What is collected of it, if that is at hand.
 
     Raises
     ------
     StoreError
         If the folder holds no sweep, a file of it is damaged, or it cannot be written.
     """
-    page = render_sweep(collect_sweep(directory), read_computed(directory))
+    if collected is None:
+        collected = collect_sweep(directory)
+    page = render_sweep(collected, read_computed(directory))
     is_run = (directory / "stages" / "outputs.json").exists()
     path = directory / (BESIDE_A_RUN if is_run else REPORT)
     replace_file(path, page)

@@ -18,21 +18,18 @@ from fibermelt.report.style import (
     GREY,
     INK,
     VERMILION,
+    Array,
     Words,
     add_axes,
     key_mark,
     new_figure,
 )
 from fibermelt.report.style import styled as in_style
+from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
-from fibermelt.study.sweep.indices import (
-    FEWEST_CASES,
-    LEVELS,
-    Indices,
-    quantiles,
-    sobol_indices,
-)
-from fibermelt.study.sweep.table import SweepTable, sweep_table
+from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices
+from fibermelt.study.sweep.quantiles import LEVELS, quantiles, shares_below
+from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,6 +55,9 @@ NAMES, NARROW, APART = 40.0, 44.0, 49.0
 LINE = 6.0
 """Height of a parameter's line among the indices [mm]."""
 
+CLEAR: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewidth": 0}
+"""Ground of a number that a curve may run under; the lowest one stands on the axis."""
+
 STEPS = 512
 """Points of a distribution that are drawn: of more cases, every so many."""
 
@@ -79,16 +79,23 @@ def sweep_quantiles(collected: xr.Dataset) -> Figure:
         bottom = FOOT + (rows - 1 - row) * RISE
         axes = add_axes(figure, LEFT + column * STEP, bottom, WIDE, TALL)
         _distribution(axes, response)
+        if table.weighing is not None:
+            axes.plot(*_curve(response, table.weighing.values), color=INK, linestyle="--")
         if column == 0:
             axes.set_ylabel("share of the cases below [%]")
     return figure
 
 
-def _distribution(axes: Axes, response: Response) -> None:
-    values = np.sort(response.values[np.isfinite(response.values)])
-    share = 100 * (np.arange(len(values)) + 0.5) / len(values)
+def _curve(response: Response, weights: Array | None = None) -> tuple[Array, Array]:
+    """Return values of a response, and the share that lies below each [%], as far as drawn."""
+    values, share = shares_below(response.values, weights)
     chosen = slice(None, None, max(1, len(values) // STEPS))
-    axes.plot(values[chosen], share[chosen], color=BLUE)
+    return values[chosen], 100 * share[chosen]
+
+
+def _distribution(axes: Axes, response: Response) -> None:
+    """Draw the distribution by number, with its quantiles."""
+    axes.plot(*_curve(response), color=BLUE)
     for level, value in zip(LEVELS, quantiles(response.values), strict=True):
         axes.plot([value, value], [0, 100 * level], color=GREY, linewidth=0.6)
         axes.plot([value], [100 * level], color=VERMILION, marker="o", markersize=3.5)
@@ -99,6 +106,7 @@ def _distribution(axes: Axes, response: Response) -> None:
             textcoords="offset points",
             fontsize=6.5,
             va="center" if level == LEVELS[0] else "top",
+            bbox=None if level == LEVELS[0] else CLEAR,
         )
     axes.set_ylim(0, 100)
     axes.set_yticks([5, 50, 95])
@@ -115,15 +123,31 @@ def quantile_words(collected: xr.Dataset) -> Words:
         low, middle, high = (number(float(value), 3) for value in quantiles(one.values))
         unit = f" {one.unit}" if one.unit else ""
         told.append(f"{one.title}: median {middle}{unit}, 5 to 95 % from {low} to {high}{unit}.")
+    if table.weighing is not None:
+        told.append(_weighed(table, table.weighing))
     cases = int(np.count_nonzero(np.isfinite(table.varying[0].values)))
     return Words(
         caption=(
             f"Share of the cases in which a response is lower, over {cases} cases, with the "
             "quantiles at 5, 50 and 95 %: how far the response spreads when the parameters are as "
-            "uncertain as the study says."
+            f"uncertain as the study says. {QUANTILE_RULE}{_dashed(table)}"
         ),
         alt=" ".join(told),
     )
+
+
+def _dashed(table: SweepTable) -> str:
+    """Return what the dashed lines are, where there are any."""
+    return f" Dashed: {weighing_told(table.weighing)}." if table.weighing is not None else ""
+
+
+def _weighed(table: SweepTable, weighing: Varied) -> str:
+    """Return the medians of the responses with every case weighed."""
+    medians = []
+    for one in table.varying:
+        middle = number(float(quantiles(one.values, (0.5,), weighing.values)[0]), 3)
+        medians.append(f"{one.title} {middle} {one.unit}".rstrip())
+    return f"Medians with each case weighed by its {weighing.title}: {', '.join(medians)}."
 
 
 Found = Sequence[tuple["Response", Indices]]

@@ -9,13 +9,19 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.report.account import account
+from fibermelt.report.sweep.weighing import weighing_told
 from fibermelt.report.tables import Column, number, table
+from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.design import SETTINGS
-from fibermelt.study.sweep.indices import LEVELS, quantiles
+from fibermelt.study.sweep.quantiles import LEVELS, quantiles
 from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import xarray as xr
+
+    from fibermelt.study.sweep.responses import Response
 
 __all__ = ["cases_told", "responses_told", "varied_told"]
 
@@ -76,8 +82,8 @@ def _drawn(asked: dict[str, Any]) -> str:
 
 def _values(axis: Varied, entry: object) -> str:
     """Return the values of a parameter, or what they are samples of, as the study has it."""
-    if isinstance(entry, dict) and "count" not in entry:
-        return ", ".join(f"{name} {value}" for name, value in entry.items())
+    if told := distribution_told(axis.keys[0], entry):
+        return told
     if len(axis.keys) > 1 and isinstance(entry, list):
         texts = [" with ".join(map(str, together)) for together in entry]
     else:
@@ -131,26 +137,10 @@ def responses_told(found: SweepTable) -> Markup:
     there = [one for one in found.responses if np.isfinite(one.values).any()]
     if not there:
         return Markup()
-    levels: tuple[float, ...] = LEVELS if found.is_sampled else (0.0, 1.0)
-    heads = ("5 %", "median", "95 %") if found.is_sampled else ("lowest", "highest")
-    what = "Quantiles" if found.is_sampled else "Range"
-    caption = f"{what} of the responses over the cases"
-    columns = (
-        Column("Response", is_text=True),
-        Column("Unit", is_text=True),
-        *(Column(head) for head in heads),
-        Column("Cases"),
-    )
-    rows = [
-        (
-            one.title,
-            one.unit or "–",
-            *(number(float(value)) for value in quantiles(one.values, levels)),
-            str(np.count_nonzero(np.isfinite(one.values))),
-        )
-        for one in there
-    ]
-    whole = table(caption, columns, rows)
+    whole = _spread_told(found, there)
+    if found.weighing is not None:
+        whole += _spread_told(found, there, found.weighing)
+    whole += _meanings(there)
     if len(found.status) > MOST_CASES:
         return whole + Markup(
             "<p>The numbers of each case: fibermelt collect writes them into sweep.nc.</p>\n"
@@ -168,3 +158,47 @@ def responses_told(found: SweepTable) -> Markup:
     ]
     each = table("Responses of each case", columns, rows)
     return whole + Markup("<details><summary>Case by case</summary>\n{}</details>\n").format(each)
+
+
+def _meanings(responses: Sequence[Response]) -> Markup:
+    """Return what those responses are whose titles do not say it."""
+    told = [
+        Markup("<dt>{}</dt><dd>{}</dd>\n").format(one.title, one.meaning)
+        for one in responses
+        if one.meaning
+    ]
+    if not told:
+        return Markup()
+    return Markup("<details><summary>What they are</summary>\n<dl>\n{}</dl></details>\n").format(
+        Markup().join(told)
+    )
+
+
+def _spread_told(
+    found: SweepTable, there: Sequence[Response], weighing: Varied | None = None
+) -> Markup:
+    """Return the range or the quantiles of the responses, of samples also with cases weighed."""
+    levels: tuple[float, ...] = LEVELS if found.is_sampled else (0.0, 1.0)
+    heads = ("5 %", "median", "95 %") if found.is_sampled else ("lowest", "highest")
+    caption = f"{'Quantiles' if found.is_sampled else 'Range'} of the responses over the cases"
+    if weighing is not None:
+        caption = f"{caption}, {weighing_told(weighing)}"
+    elif found.weighing is not None:
+        caption += ", each counted once: by number"
+    columns = (
+        Column("Response", is_text=True),
+        Column("Unit", is_text=True),
+        *(Column(head) for head in heads),
+        Column("Cases"),
+    )
+    weights = None if weighing is None else weighing.values
+    rows = [
+        (
+            one.title,
+            one.unit or "–",
+            *(number(float(value)) for value in quantiles(one.values, levels, weights)),
+            str(np.count_nonzero(np.isfinite(one.values))),
+        )
+        for one in there
+    ]
+    return table(caption, columns, rows)

@@ -5,6 +5,7 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FLOW_NUMERICS",
+    "flow_but_for_scale",
     "flow_from",
     "flow_stage",
     "start_from",
@@ -96,21 +98,32 @@ def flow_stage(
 def flow_from(parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour) -> xr.Dataset:
     """Solve the deposition flow from the surfaces of a neighbour.
 
-    Where the two differ in nothing but the melt, the neighbour's flow is the answer with its
-    pressures scaled (`fibermelt.flow.rescale`), and nothing is solved.
+    Where the two differ in nothing but a scale, the neighbour's flow is the answer with that
+    scale (`fibermelt.flow.rescale`), and nothing is solved.
     """
     from fibermelt.flow.rescale import rescaled  # noqa: PLC0415  lazy: see the module
 
-    if _but_for_the_melt(parameters) != _but_for_the_melt(neighbour.parameters):
+    if flow_but_for_scale(parameters) != flow_but_for_scale(neighbour.parameters):
         return flow_stage(parameters, inputs, say, start=start_from(neighbour.data))
-    say("the same flow of another melt: pressures scaled")
+    say("the same flow of another melt, or faster: scaled")
     solution = _solution(neighbour.parameters, neighbour.data)
-    return _stored(rescaled(solution, _problem(parameters).melt))
+    return _stored(rescaled(solution, _problem(parameters)))
 
 
-def _but_for_the_melt(parameters: Parameters) -> dict[str, Any]:
-    """Return all parameters that decide more than the scale of pressures."""
-    return {key: value for key, value in parameters.items() if not key.startswith("melt.")}
+def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what decides a flow but for the scales of velocities and pressures.
+
+    All that it reads but the melt, and the ratio of its speeds in place of both.
+    """
+    from fibermelt.flow.rescale import speed_ratio  # noqa: PLC0415  lazy: see the module
+
+    speeds = ("flow.inlet_speed", "flow.bed_speed")
+    kept = {
+        key: value
+        for key, value in parameters.items()
+        if key not in speeds and not key.startswith("melt.")
+    }
+    return {**kept, "flow.speed_ratio": speed_ratio(*(parameters[key] for key in speeds))}
 
 
 def _stored(solution: FlowSolution) -> xr.Dataset:

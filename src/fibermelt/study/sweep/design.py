@@ -9,8 +9,8 @@ Keys of the table are keys of a study, in quotes; keys that are joined by commas
     "melt.viscosity" = { mean = "817 Pa s", std = "80 Pa s" }
     design = "grid"
 
-A range or a distribution is sampled where the design is a Latin hypercube, a Sobol sequence, or
-Saltelli's scheme, that gives first and total Sobol indices.
+A range or a distribution (`fibermelt.study.sweep.axes`) is sampled where the design is a Latin
+hypercube, a Sobol sequence, or Saltelli's scheme, that gives first and total Sobol indices.
 """
 
 from __future__ import annotations
@@ -18,79 +18,32 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
 from fibermelt.study.files import canonical, digest
-from fibermelt.study.loading import merged, resolve
-from fibermelt.study.messages import unknown_key
-from fibermelt.study.parameters import Declaration, Value, declarations, excerpt, flatten
-from fibermelt.units import parse
+from fibermelt.study.loading import resolve
+from fibermelt.study.parameters import Value, declarations, excerpt, flatten
+from fibermelt.study.sweep.axes import MOST_CASES, Axis, read_axis
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
+    from fibermelt.study.parameters import Section
 
-__all__ = ["MOST_CASES", "SAMPLED", "SETTINGS", "Axis", "Case", "Sweep", "read_sweep"]
+__all__ = ["SAMPLED", "SETTINGS", "Case", "Sweep", "read_sweep"]
 
 Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol", "saltelli"]
 DESIGNS: tuple[str, ...] = get_args(Design)
 SAMPLED = ("latin-hypercube", "sobol", "saltelli")
 """Designs whose cases are samples of distributions."""
 
-MOST_CASES = 1_000_000
-"""Cases of a sweep: beyond, a count was meant otherwise."""
-
-SETTINGS = ("design", "samples", "seed")
+SETTINGS = ("design", "samples", "seed", "weight")
 """Keys of the table that are no parameters."""
-ENDS = frozenset(("from", "to", "count"))
-DISTRIBUTIONS = {
-    frozenset(("mean", "std")): "normal",
-    frozenset(("median", "factor")): "lognormal",
-    frozenset(("low", "high")): "uniform",
-}
-"""Which distribution a table of two numbers stands for."""
-
-
-@dataclass(frozen=True)
-class Axis:
-    """What varies: one parameter, or some that vary together.
-
-    Parameters
-    ----------
-    keys : tuple of str
-        Their keys.
-    values : tuple of tuple
-        The values that it is given one by one, each as a person wrote it; empty for a range that
-        a design samples.
-    distribution : str
-        ``"uniform"``, ``"normal"`` or ``"lognormal"`` of what is sampled, else empty.
-    first, second : float
-        Low and high, mean and standard deviation, or median and factor [SI].
-    """
-
-    keys: tuple[str, ...]
-    values: tuple[tuple[Any, ...], ...] = ()
-    distribution: str = ""
-    first: float = 0.0
-    second: float = 0.0
-
-    @property
-    def name(self) -> str:
-        """Return the key under which its values are told."""
-        return self.keys[0]
-
-    def at(self, share: float) -> float:
-        """Return the value [SI] below which a share of its distribution lies, in (0, 1)."""
-        from scipy.special import ndtri  # noqa: PLC0415  lazy: most sweeps are grids
-
-        if self.distribution == "uniform":
-            return self.first + share * (self.second - self.first)
-        deviation = float(ndtri(share))
-        if self.distribution == "normal":
-            return self.first + deviation * self.second
-        return self.first * math.exp(deviation * math.log(self.second))
 
 
 @dataclass(frozen=True)
@@ -136,6 +89,8 @@ class Sweep:
         Number of samples.
     seed : int
         Of the samples.
+    weight : str
+        Key of what varies by whose value the quantiles weigh a case as well; empty for none.
     is_cold : bool
         Whether no stage is to start from the result of a neighbouring case.
     """
@@ -145,6 +100,7 @@ class Sweep:
     design: Design = "grid"
     samples: int = 0
     seed: int = 0
+    weight: str = ""
     is_cold: bool = False
 
     @property
@@ -181,7 +137,11 @@ class Sweep:
             ]
             return [{}, *single]
         return [
-            {axis.name: axis.at(float(share)) for axis, share in zip(self.axes, row, strict=True)}
+            {
+                axis.name: axis.distribution.at(float(share))
+                for axis, share in zip(self.axes, row, strict=True)
+                if axis.distribution is not None
+            }
             for row in self._samples()
         ]
 
@@ -227,20 +187,46 @@ class Sweep:
             return qmc.LatinHypercube(d=len(self.axes), rng=self.seed).random(self.samples)
         return qmc.Sobol(d=len(self.axes), rng=self.seed).random(self.samples)
 
+    @cached_property
+    def _sections(self) -> dict[str, Section]:
+        """Return the sections of the study itself: where nothing varies, none is checked again."""
+        config = resolve(self.tables)
+        return {name: getattr(config, name) for name in type(config).model_fields}
+
     def _case(self, index: int, set_: Mapping[str, Any]) -> Case:
-        tables: dict[str, Any] = dict(self.tables)
+        written: dict[str, dict[str, Any]] = {}
         for key, value in set_.items():
             section, _, name = key.partition(".")
-            tables = merged(tables, {section: {name: value}})
+            written.setdefault(section, dict(self.tables.get(section, {})))[name] = value
         try:
-            config = resolve(tables)
-        except ConfigError as error:
-            what = ", ".join(f"{key} = {excerpt(value)}" for key, value in set_.items())
-            msg = f"case {index + 1} of the sweep ({what}): {error}"
-            raise ConfigError(msg) from None
+            config = Config.model_validate({**self._sections, **written})
+        except ValidationError:
+            try:
+                config = resolve({**self.tables, **written})
+            except ConfigError as error:
+                what = ", ".join(f"{key} = {excerpt(value)}" for key, value in set_.items())
+                msg = f"case {index + 1} of the sweep ({what}): {error}{self._way_out(str(error))}"
+                raise ConfigError(msg) from None
         values = flatten(config)
+        weight = values[self.weight] if self.weight else 1.0
+        if not isinstance(weight, (int, float)) or not weight > 0:
+            msg = (
+                f'sweep.weight = "{self.weight}": is {excerpt(weight)} in case {index + 1}: a '
+                "weight must be above 0"
+            )
+            raise ConfigError(msg)
         keys = [key for axis in self.axes for key in axis.keys]
         return Case(index, {key: values[key] for key in keys}, config)
+
+    def _way_out(self, fault: str) -> str:
+        """Return how a sample comes to lie within the bounds that it has left."""
+        if self.design not in SAMPLED:
+            return ""
+        beyond = [axis.name for axis in self.axes if f"{axis.name} = " in fault]
+        return "".join(
+            f'; sweep."{name}" is a distribution: cut it off with {{ ..., between = [low, high] }}'
+            for name in beyond
+        )
 
 
 def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
@@ -261,7 +247,9 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
         )
         raise ConfigError(msg)
     known = {declaration.key: declaration for declaration in declarations(Config)}
-    axes = tuple(_axis(name, entry, known) for name, entry in table.items() if name not in SETTINGS)
+    axes = tuple(
+        read_axis(name, entry, known) for name, entry in table.items() if name not in SETTINGS
+    )
     if not axes:
         msg = 'sweep: nothing varies: name a parameter, such as "flow.gap" = ["2.5 mm", "3 mm"]'
         raise ConfigError(msg)
@@ -280,6 +268,7 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
         design=design,
         samples=_whole(table, "samples", 0),
         seed=_whole(table, "seed", 0),
+        weight=_weight(table, design, axes),
         is_cold=cold,
     )
     _fits(sweep)
@@ -294,11 +283,25 @@ def _whole(table: Mapping[str, Any], name: str, default: int) -> int:
     return value
 
 
+def _weight(table: Mapping[str, Any], design: str, axes: Sequence[Axis]) -> str:
+    """Return the key by whose value cases are weighed."""
+    weight = table.get("weight", "")
+    if "weight" not in table:
+        return ""
+    names = [axis.name for axis in axes]
+    if design not in SAMPLED or weight not in names:
+        msg = f'sweep.weight = "{excerpt(weight)}": must be one of the keys that are sampled' + (
+            f", such as {names[0]}" if design in SAMPLED else "; a grid has no population"
+        )
+        raise ConfigError(msg)
+    return str(weight)
+
+
 def _fits(sweep: Sweep) -> None:
     """Refuse a design that does not go with what varies, and a sweep without end."""
     sampled = sweep.design in SAMPLED
     for axis in sweep.axes:
-        if sampled and not axis.distribution:
+        if sampled and axis.distribution is None:
             msg = (
                 f'sweep."{", ".join(axis.keys)}": a list cannot be sampled: give a range '
                 '{ low = ..., high = ... }, or take design = "grid"'
@@ -313,74 +316,18 @@ def _fits(sweep: Sweep) -> None:
     if sampled and sweep.samples < 1:
         msg = f'sweep.samples = {sweep.samples}: design = "{sweep.design}" needs at least one'
         raise ConfigError(msg)
-    if sweep.design == "saltelli" and sweep.samples.bit_count() != 1:
+    if sweep.design in {"saltelli", "sobol"} and sweep.samples.bit_count() != 1:
         below = 1 << (sweep.samples.bit_length() - 1)
+        needs, rest = (
+            ("a Saltelli design", f"each is a block of {len(sweep.axes) + 2} cases")
+            if sweep.design == "saltelli"
+            else ("a Sobol sequence", 'a Latin hypercube, design = "latin-hypercube", takes any')
+        )
         msg = (
-            f"sweep.samples = {sweep.samples}: a Saltelli design needs a power of two, such as "
-            f"{below} or {2 * below}; each is a block of {len(sweep.axes) + 2} cases"
+            f"sweep.samples = {sweep.samples}: {needs} needs a power of two, such as "
+            f"{below} or {2 * below}; {rest}"
         )
         raise ConfigError(msg)
     if sweep.count > MOST_CASES:
         msg = f"sweep: {sweep.count} cases, at most {MOST_CASES}: take fewer values, or samples"
         raise ConfigError(msg)
-
-
-def _axis(name: str, entry: object, known: Mapping[str, Declaration]) -> Axis:
-    """Return what one key of the table stands for."""
-    keys = tuple(key.strip() for key in name.split(","))
-    for key in keys:
-        if key not in known:
-            msg = f"sweep.{unknown_key(key, known)}"
-            raise ConfigError(msg)
-        if key == "study.parts":
-            msg = "sweep: study.parts cannot vary: every case has the same results"
-            raise ConfigError(msg)
-    shown = f'sweep."{name}"'
-    if isinstance(entry, Mapping):
-        if len(keys) > 1:
-            msg = f"{shown}: keys that vary together need a list of their values"
-            raise ConfigError(msg)
-        return _range(shown, keys[0], entry, known[keys[0]])
-    if not isinstance(entry, list) or not entry:
-        msg = f"{shown} = {excerpt(entry)}: must be a list of values, or a range"
-        raise ConfigError(msg)
-    if len(keys) == 1:
-        return Axis(keys, tuple((value,) for value in entry))
-    for value in entry:
-        if not isinstance(value, list) or len(value) != len(keys):
-            msg = f"{shown}: {excerpt(value)}: must be a list of {len(keys)} values"
-            raise ConfigError(msg)
-    return Axis(keys, tuple(tuple(value) for value in entry))
-
-
-def _range(shown: str, key: str, entry: Mapping[str, Any], declaration: Declaration) -> Axis:
-    """Return the axis of ``{ from, to, count }`` or of a distribution."""
-
-    def number(name: str, unit: str) -> float:
-        try:
-            return parse(entry[name], unit)
-        except ConfigError as error:
-            msg = f'{shown}: {name} = "{excerpt(entry[name])}" {error}'
-            raise ConfigError(msg) from None
-
-    unit = declaration.unit
-    if set(entry) == ENDS:
-        count = entry["count"]
-        if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_CASES:
-            msg = f"{shown}: count = {excerpt(count)}: must be a whole number, 2 to {MOST_CASES}"
-            raise ConfigError(msg)
-        low, high = number("from", unit), number("to", unit)
-        values = tuple((low + (high - low) * k / (count - 1),) for k in range(count))
-        return Axis((key,), values, "uniform", low, high)
-    distribution = DISTRIBUTIONS.get(frozenset(entry))
-    if distribution is None:
-        msg = (
-            f"{shown}: has {', '.join(map(excerpt, entry))}: a range is {{ from, to, count }}, a "
-            "distribution { low, high }, { mean, std } or { median, factor }"
-        )
-        raise ConfigError(msg)
-    names = {"uniform": ("low", "high"), "normal": ("mean", "std")}.get(
-        distribution, ("median", "factor")
-    )
-    second_unit = "" if names[1] == "factor" else unit
-    return Axis((key,), (), distribution, number(names[0], unit), number(names[1], second_unit))

@@ -1,4 +1,4 @@
-"""What a sampled sweep tells: quantiles of its responses, and what their variance is due to.
+"""What a sampled sweep tells of its responses: what their variance is due to.
 
 Sobol's indices (Sobol, Math. Comput. Simul. 55, 2001, 271-280): the first-order index of a
 parameter, ``S_i = Var(E[y | x_i]) / Var(y)``, is the share of a response's variance that goes when
@@ -17,7 +17,6 @@ The estimators are SALib's; the margins are half 95 % intervals from its bootstr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -31,10 +30,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["LEVELS", "Indices", "quantiles", "sobol_indices"]
-
-LEVELS = (0.05, 0.5, 0.95)
-"""Shares of the cases that lie below the quantiles that are told."""
+__all__ = ["FEWEST_CASES", "Indices", "sobol_indices"]
 
 HARMONICS = 10
 """Harmonics of RBD-FAST: the number of its authors and of SALib."""
@@ -73,24 +69,6 @@ class Indices:
     total_margin: Array | None = None
 
 
-def quantiles(values: Array, levels: Sequence[float] = LEVELS) -> Array:
-    """Return quantiles of a response over the cases that have it; NaN if none has.
-
-    Parameters
-    ----------
-    values : (cases,) ndarray
-        The response, NaN where there is none.
-    levels : sequence of float
-        Shares of the cases that lie below.
-    """
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
-    there = values[np.isfinite(values)]
-    if there.size == 0:
-        return np.full(len(levels), np.nan)
-    return np.asarray(np.quantile(there, levels))
-
-
 def sobol_indices(table: SweepTable, response: Response) -> Indices | None:
     """Return Sobol's indices of a response; None where the sweep cannot give them.
 
@@ -110,7 +88,7 @@ def sobol_indices(table: SweepTable, response: Response) -> Indices | None:
 
 def _saltelli(table: SweepTable, values: Array) -> Indices | None:
     """Return first and total indices from the blocks of which every case has an answer."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
+    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
     from SALib.analyze import sobol  # noqa: PLC0415  lazy: 0.8 s
 
     blocks = values.reshape(-1, len(table.axes) + 2)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.parameters import flatten
-from fibermelt.study.stages import Parameters, keys, stage_parameters
+from fibermelt.study.stages import keys, stage_parameters
 from fibermelt.study.sweep.collection import COLLECTION
 from fibermelt.study.sweep.starts import neighbours
 
@@ -74,7 +74,7 @@ class Job:
     neighbour : str
         Key of the same stage of another case, from which it starts; empty: from cold.
     is_scaled : bool
-        Whether it is the neighbour's result but for a scale (`Stage.scaled`).
+        Whether it is the neighbour's result but for a scale (`Stage.but_for_scale`).
     """
 
     stage: str
@@ -194,18 +194,15 @@ def _warmed(base: Mapping[str, Value], jobs: Mapping[str, Job], chain: Chain) ->
         mine = [job for job in jobs.values() if job.stage == stage.name]
         if stage.compute_from is None or len(mine) < 2:
             continue
-        read = [stage_parameters(stage, {**base, **job.case.changes}) for job in mine]
-        for job, own, place in zip(mine, read, neighbours(read, stage.scaled), strict=True):
+        read = [
+            dict(stage.but_for_scale(stage_parameters(stage, {**base, **job.case.changes})))
+            for job in mine
+        ]
+        for job, own, place in zip(mine, read, neighbours(read), strict=True):
             if place is not None:
-                scaled = _same(own, read[place], stage.scaled)
+                scaled = own == read[place]
                 warmed[job.key] = replace(job, neighbour=mine[place].key, is_scaled=scaled)
     return warmed
-
-
-def _same(one: Parameters, other: Parameters, but: tuple[str, ...]) -> bool:
-    """Tell whether parameters are alike but for some keys or tables."""
-    differing = (key for key, value in one.items() if other[key] != value)
-    return all(key in but or key.partition(".")[0] in but for key in differing)
 
 
 def _last(stages: tuple[Stage, ...], values: Mapping[str, Value]) -> tuple[str, ...]:

@@ -45,12 +45,15 @@ class Response:
         Unit of its values; empty for a pure number.
     values : (cases,) ndarray
         The number of each case [unit]; NaN where there is none.
+    meaning : str
+        What it is, in a sentence's part; empty where the title says it all.
     """
 
     name: str
     title: str
     unit: str
     values: Array
+    meaning: str = ""
 
     @property
     def heading(self) -> str:
@@ -122,6 +125,27 @@ RESPONSES: tuple[tuple[str, str, str, float, Find], ...] = (
 """Name, title, unit, factor from SI, and where it is found, in the order of the report."""
 
 
+_EXTREME = (
+    "lowest pressure on a fiber's surface, over the melt's, {where} the middle of the capillary: "
+    "the mean over the initial angles, on the streamline where it is lowest"
+)
+
+MEANINGS = {
+    "contact_point": "x of where the upstream surface meets the bed; the nozzle's axis is at 0",
+    "inlet_pressure": "mean over the inlet, over the air's",
+    "lowest_mean_1": _EXTREME.format(where="above"),
+    "lowest_mean_2": _EXTREME.format(where="below"),
+    "void_critical_moisture": (
+        "moisture below which no bubble can grow on a fiber, whatever its direction, wherever it is"
+    ),
+    "void_critical_moisture_mean": (
+        "the same for the median fiber of an isotropic start, the mean by flux over the streamlines"
+    ),
+    "tip_pressure": "largest surface pressure on a fiber in simple shear, over any direction",
+}
+"""What the responses are, where their titles do not say it."""
+
+
 def responses_of(
     collected: xr.Dataset, dimensions: Sequence[str], varied: Sequence[str] = ()
 ) -> tuple[Response, ...]:
@@ -142,7 +166,8 @@ def responses_of(
     for name, title, unit, factor, find in RESPONSES:
         values = find(collected)
         if values is not None and set(values.dims) == set(dimensions):
-            found.append(Response(name, title, unit, factor * _flat(values, dimensions)))
+            numbers = factor * _flat(values, dimensions)
+            found.append(Response(name, title, unit, numbers, MEANINGS.get(name, "")))
     if len([one for one in found if one.varies]) < ENOUGH:
         known = {key.rpartition(".")[2] for key in varied} | {one.name for one in found}
         room = MOST - len(found)

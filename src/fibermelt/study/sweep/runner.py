@@ -105,7 +105,7 @@ def run_sweep(
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
     cases.forget_failures(lasting=retry_failed)
-    work = _Work(plan, chain, cases, observer, began, read_progress(cases))
+    work = _Work(plan, cases, observer, began, read_progress(cases))
     work.begin()
     if work.left():
         folder = Folder(str(directory.resolve()), plan.base, chain)
@@ -137,7 +137,6 @@ class _Work:
     """What is left of a sweep; the only state that changes while it runs."""
 
     plan: Plan
-    chain: Chain
     cases: CaseStore
     observer: Observer
     began: float
@@ -154,6 +153,7 @@ class _Work:
     later: deque[tuple[float, Job | PlannedCase]] = field(default_factory=deque)
     pace: dict[str, _Pace] = field(default_factory=dict)
     stages_left: set[str] = field(default_factory=set)
+    planned: Counter[str] = field(default_factory=Counter)
     cases_left: int = 0
     flying: int = 0
     computed: int = 0
@@ -161,7 +161,6 @@ class _Work:
     processor: float = 0.0
     told: float = 0.0
     noted: float = 0.0
-    line: str = ""
 
     def begin(self) -> None:
         """Find what is there, and what can be begun."""
@@ -178,6 +177,8 @@ class _Work:
         there = {key for key, job in self.plan.jobs.items() if self._is_stored(job)}
         self.reused = len(there)
         self.stages_left = self._needed(todo, there | set(failures))
+        left = (job.stage for key, job in self.plan.jobs.items() if key in self.stages_left)
+        self.planned = Counter(left)
         self.leaders = {self.plan.jobs[key].neighbour for key in self.stages_left}
         for key, job in self.plan.jobs.items():
             if key in self.stages_left:
@@ -364,20 +365,17 @@ class _Work:
             self.told = now
             count, total = len(self.done), len(self.done) + len(self.failed) + self.cases_left
             failed = f", {len(self.failed)} failed" if self.failed else ""
-            line = f"{count} of {total} cases{failed}{self._shared()}{self._to_go(pool)}"
-            # A log needs no line that says what the last one did.
-            if line != self.line:
-                self.line = line
-                self.observer.step("sweep", line)
+            line = f"{count} of {total} cases{failed}{self._stages_told()}{self._to_go(pool)}"
+            self.observer.tick("sweep", line)
         if now - self.noted > NOTE:
             self.noted = now
             write_progress(self.cases, self.progress())
 
-    def _shared(self) -> str:
-        """Return how many stages are left that cases wait for, in words."""
+    def _stages_told(self) -> str:
+        """Return how many of the stages to keep there are, those of which some are to come."""
         left = Counter(self.plan.jobs[key].stage for key in self.stages_left)
-        names = [stage.name for stage in self.chain.stages if left[stage.name]]
-        return f", left {', '.join(f'{left[name]} {name}' for name in names)}" if names else ""
+        told = ((name, count) for name, count in self.planned.items() if left[name])
+        return "".join(f", {name} {count - left[name]} of {count}" for name, count in told)
 
     def _to_go(self, pool: Pool) -> str:
         """Return the time to go in words, as far as every kind of work left has been seen."""

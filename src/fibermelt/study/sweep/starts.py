@@ -29,18 +29,14 @@ DIGITS = 9
 """Decimals of a distance: those of a grid are alike on every machine, whatever its logarithm."""
 
 
-def neighbours(
-    parameters: Sequence[Mapping[str, Any]], scaled: tuple[str, ...] = ()
-) -> list[int | None]:
+def neighbours(parameters: Sequence[Mapping[str, Any]]) -> list[int | None]:
     """Return for each of some stages the place of that which it starts from, None for from cold.
 
     Parameters
     ----------
     parameters : sequence of mapping
-        What each stage reads, resolved, in SI; no two alike.
-    scaled : tuple of str
-        Keys or tables that do not count: a result is brought from one to another value of these
-        by scaling. Stages that differ in nothing else all start from the first of them.
+        What decides the result of each but for a scale (`Stage.but_for_scale`), resolved, in SI.
+        Those that agree in all of it start from the first of them.
 
     Notes
     -----
@@ -49,10 +45,10 @@ def neighbours(
     """
     groups: dict[Any, list[int]] = {}
     for place, values in enumerate(parameters):
-        groups.setdefault(_words(values, scaled), []).append(place)
+        groups.setdefault(_words(values), []).append(place)
     found: list[int | None] = [None] * len(parameters)
     for group in groups.values():
-        numbers = [_numbers(parameters[place], scaled) for place in group]
+        numbers = [_numbers(parameters[place]) for place in group]
         first: dict[tuple[float, ...], int] = {}
         for place, row in zip(group, numbers, strict=True):
             if first.setdefault(row, place) != place:
@@ -63,29 +59,19 @@ def neighbours(
     return found
 
 
-def _counts(key: str, scaled: tuple[str, ...]) -> bool:
-    return not any(key == name or key.startswith(f"{name}.") for name in scaled)
-
-
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _words(values: Mapping[str, Any], scaled: tuple[str, ...]) -> tuple[Any, ...]:
+def _words(values: Mapping[str, Any]) -> tuple[Any, ...]:
     """Return what must be equal: all that is no number, and which keys have numbers."""
     return tuple(
-        (key, "" if _is_number(value) else repr(value))
-        for key, value in sorted(values.items())
-        if _counts(key, scaled)
+        (key, "" if _is_number(value) else repr(value)) for key, value in sorted(values.items())
     )
 
 
-def _numbers(values: Mapping[str, Any], scaled: tuple[str, ...]) -> tuple[float, ...]:
-    return tuple(
-        float(value)
-        for key, value in sorted(values.items())
-        if _counts(key, scaled) and _is_number(value)
-    )
+def _numbers(values: Mapping[str, Any]) -> tuple[float, ...]:
+    return tuple(float(value) for _, value in sorted(values.items()) if _is_number(value))
 
 
 def _coordinates(rows: list[tuple[float, ...]]) -> Array:

@@ -14,6 +14,7 @@ from fibermelt.study.parameters import flatten
 from fibermelt.study.schema import no_folder
 from fibermelt.study.stages import keys
 from fibermelt.study.sweep.cost import estimate, read_computed
+from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.plan import Plan, plan_sweep
 from fibermelt.study.sweep.record import read_asked
 from fibermelt.study.sweep.store import CaseStore, stage_folder
@@ -44,6 +45,7 @@ def list_plan(
     -------
     dict
         ``"cases"``, ``"done"``, ``"failed"``, ``"pending"``: numbers of cases; ``"shape"``;
+        ``"sampled"``: by key what the cases are samples of, in words;
         ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
         them are ``"kept"`` in the folder, and ``"stored"`` there by now, how many start ``"warm"``
         from a neighbour's or are ``"scaled"`` from it, and ``"levels"``: how many must come one
@@ -79,6 +81,11 @@ def list_plan(
         "cases": len(each),
         **{name: counts[name] for name in ("done", "failed", "pending")},
         "shape": list(sweep.shape),
+        "sampled": {
+            key: told
+            for key, entry in (study.sweep or {}).items()
+            if (told := distribution_told(key, entry))
+        },
         "stages": {
             name: {
                 "results": count,

@@ -93,6 +93,8 @@ class SweepTable:
         What became of each case (``"done"``, ``"failed"``, ``"pending"``), and why it failed.
     responses : tuple of Response
         What is looked at, as far as the cases have it.
+    weighing : Varied, optional
+        What a case is weighed by, beside its number.
     """
 
     title: str
@@ -103,6 +105,7 @@ class SweepTable:
     status: tuple[str, ...]
     reason: tuple[str, ...]
     responses: tuple[Response, ...]
+    weighing: Varied | None = None
 
     @property
     def is_sampled(self) -> bool:
@@ -162,6 +165,7 @@ def sweep_table(collected: xr.Dataset) -> SweepTable:
         status=tuple(map(str, status)),
         reason=tuple(map(str, _flat(collected, "reason", dimensions))),
         responses=responses_of(collected, dimensions, [key for one in keys for key in one]),
+        weighing=next((axis for axis in axes if axis.keys == (asked.get("weight"),)), None),
     )
 
 

@@ -1,0 +1,120 @@
+"""What a sweep comes to, in a few sentences: how far its main response goes, and what moves it."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from fibermelt.errors import ConfigError
+from fibermelt.study.sweep.effects import effect
+from fibermelt.study.sweep.indices import sobol_indices
+from fibermelt.study.sweep.quantiles import quantiles
+from fibermelt.study.sweep.table import SweepTable, sweep_table
+from fibermelt.study.sweep.window import drying_advice
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.sweep.responses import Response
+
+__all__ = ["answer_sweep"]
+
+LEADS = ("void_critical_moisture_mean", "lowest_mean_2", "lowest_mean_1")
+"""What a sweep is about, as far as it has it: voids, else the pressure that makes them."""
+
+TOLD = 3
+"""Parameters whose effects are told: the strongest."""
+
+
+def answer_sweep(collected: xr.Dataset) -> tuple[str, ...]:
+    """Return what a sweep comes to, one sentence after the other.
+
+    Of a grid and of one parameter at a time the main effects on the response that it is about;
+    of samples its quantiles, and the shares of its variance as far as the design gives them.
+
+    Parameters
+    ----------
+    collected : xarray.Dataset
+        As `fibermelt.study.sweep.collect.collect_sweep` returns it, finished or not.
+
+    Raises
+    ------
+    StoreError
+        If it does not say what varied.
+    """
+    table = sweep_table(collected)
+    done = table.status.count("done")
+    if not done:
+        return ("No case has an answer yet.",)
+    varying = {one.name: one for one in table.varying}
+    if not varying:
+        return (f"All numbers are the same in the {done} cases that have an answer.",)
+    lead = next((varying[name] for name in LEADS if name in varying), None)
+    lead = lead or next(iter(varying.values()))
+    told = [_range(table, lead)]
+    told.append(_spread(table, lead) if table.is_sampled else _effects(table, lead))
+    with suppress(ConfigError):  # no process window
+        told.append(drying_advice(collected))
+    return tuple(sentence for sentence in told if sentence)
+
+
+def _range(table: SweepTable, lead: Response) -> str:
+    """Return the lowest and the highest response, and where they are."""
+    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+    ends = (int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values)))
+    low, high = (f"{_number(lead, lead.values[end])} ({table.point(end)})" for end in ends)
+    count = int(np.count_nonzero(np.isfinite(lead.values)))
+    without = len(table.status) - count
+    rest = f"; {without} of {len(table.status)} cases have none" if without else ""
+    return f"{lead.title}: from {low} to {high}{rest}."
+
+
+def _effects(table: SweepTable, lead: Response) -> str:
+    """Return how far the response goes with each parameter, the strongest first."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    found = []
+    for axis in table.axes:
+        levels, (mean, _, _) = effect(table, lead, axis)
+        there = np.isfinite(mean)
+        if np.count_nonzero(there) > 1:
+            first, last = np.flatnonzero(there)[[0, -1]]
+            ends = (float(mean[first]), float(mean[last]))
+            over = f"{axis.written(levels[first])} to {axis.written(levels[last])}"
+            told = f"{axis.title} from {over}: {_number(lead, ends[0])} to {_number(lead, ends[1])}"
+            found.append((float(np.ptp(mean[there])), told))
+    if not found:
+        return ""
+    found.sort(key=lambda one: -one[0])
+    told = "; ".join(told for _, told in found[:TOLD])
+    more = f"; {len(found) - TOLD} more move it less" if len(found) > TOLD else ""
+    mean = "mean over the others, " if len(table.axes) > 1 and not table.groups else ""
+    order = f"What moves it, {mean}the strongest first: " if len(found) > 1 else "With "
+    return f"{order}{told}{more}."
+
+
+def _spread(table: SweepTable, lead: Response) -> str:
+    """Return the quantiles of the response, and what its variance is due to."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    low, middle, high = (_number(lead, float(value)) for value in quantiles(lead.values))
+    told = f"Half of the cases lie below {middle}, nine tenths between {low} and {high}"
+    if table.weighing is not None:
+        weighed = float(quantiles(lead.values, (0.5,), table.weighing.values)[0])
+        told += f"; weighed by {table.weighing.title}, half lies below {_number(lead, weighed)}"
+    # Of one parameter alone its share is all of the variance.
+    indices = sobol_indices(table, lead) if len(table.axes) > 1 else None
+    if indices is None:
+        return f"{told}."
+    shares = indices.first if indices.total is None else indices.total
+    margins = indices.first_margin if indices.total_margin is None else indices.total_margin
+    most = int(np.argmax(shares))
+    kind = "first-order" if indices.total is None else "total"
+    share = f"{kind} Sobol index {shares[most]:.2f} ± {margins[most]:.2f}"
+    return f"{told}; {table.axes[most].title} accounts for most of that ({share})."
+
+
+def _number(lead: Response, value: float) -> str:
+    text = f"{value:.3g} {lead.unit}".rstrip()
+    return text.replace("-", "−")
