@@ -97,6 +97,25 @@ def test_the_results_folder_has_the_name_of_the_study(tmp_path, monkeypatch):
     assert "6 done, 0 failed, 0 to do" in fibermelt("plan", study).stdout
 
 
+def test_a_sweep_tells_how_far_its_stages_are(tmp_path, monkeypatch):
+    monkeypatch.setattr("fibermelt.study.sweep.runner.TELL", 0.0)
+    told = []
+    monkeypatch.setattr(fake_sweeps.Notes, "tick", lambda self, *line: told.append(line))
+    fake_sweeps.sweep(fake_sweeps.study_file(tmp_path, CHAINED), tmp_path / "out")
+    lines = [line for stage, line in told if stage == "sweep"]
+    assert any(line.startswith("0 of 8 cases, flow 1 of 4") for line in lines), lines
+
+
+def test_a_sweep_needs_no_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    over = ("--over", "flow.gap=3 mm, 3.2 mm", "--over", "fiber.aspect_ratio=4, 6")
+    assert "a valid sweep of 4 cases" in fibermelt("validate", "paper", *over).stdout
+    assert json.loads(fibermelt("plan", "paper", *over, "--json").stdout)["shape"] == [2, 2]
+    done = fibermelt("sweep", "paper", *over, "--out", "out", "--workers", 0, "--json")
+    assert json.loads(done.stdout)["done"] == 4
+    assert json.loads(fibermelt("resume", "out", "--workers", 0, "--json").stdout)["done"] == 4
+
+
 def records(out):
     return {record.key: record for record, _ in Store(out, ()).records()}
 

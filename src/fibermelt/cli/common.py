@@ -20,6 +20,7 @@ __all__ = [
     "ColdOption",
     "JsonOption",
     "OutOption",
+    "OverOption",
     "SetOption",
     "StudyArgument",
     "WorkersOption",
@@ -48,6 +49,16 @@ SetOption = Annotated[
         "-s",
         metavar="KEY=VALUE",
         help='Override a parameter, such as -s flow.gap="3.5 mm"; may be given several times.',
+    ),
+]
+
+OverOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--over",
+        metavar="KEY=VALUES",
+        help='Have a parameter vary, such as --over flow.gap="3 mm, 4 mm", besides what the '
+        "study's table [sweep] has; may be given several times.",
     ),
 ]
 OutOption = Annotated[

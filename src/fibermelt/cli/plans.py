@@ -12,6 +12,7 @@ from fibermelt.cli.common import (
     ColdOption,
     JsonOption,
     OutOption,
+    OverOption,
     SetOption,
     StudyArgument,
     results_folder,
@@ -38,6 +39,7 @@ def plan(
         ),
     ] = None,
     sets: SetOption = None,
+    over: OverOption = None,
     cold: ColdOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -52,7 +54,7 @@ def plan(
         if workers is not None and workers < 0:
             msg = f"--workers {workers}: must be at least 0 (0: in one process, without a cluster)"
             raise ConfigError(msg)
-        swept = load_study(study, sets or [])
+        swept = load_study(study, sets or [], over or [])
         folder = results_folder(out, swept.name)
         count = cores() if workers is None else max(workers, 1)
         listed = list_plan(read_sweep(swept, cold=cold), swept, CHAIN, folder, count)
@@ -69,7 +71,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
         f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
         f"{listed['failed']} failed, {listed['pending']} to do"
     ]
-    lines += [f"{'':<16}{key}: {text}" for key, text in listed["sampled"].items()]
+    lines += [f"{'':<16}{key}: {told}" for key, told in listed["sampled"].items()]
     for name, count in listed["stages"].items():
         kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
         lines.append(f"{name:<16}{count['results']} for all cases{kept}")

@@ -13,6 +13,7 @@ from fibermelt.cli.common import (
     INTERRUPTED,
     JsonOption,
     OutOption,
+    OverOption,
     SetOption,
     StudyArgument,
     results_folder,
@@ -94,14 +95,19 @@ def _report(results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str,
     return render(results, summary, drawn)
 
 
-def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:
+def validate(
+    study: StudyArgument,
+    sets: SetOption = None,
+    over: OverOption = None,
+    as_json: JsonOption = False,
+) -> None:
     """Check a study, of a sweep every case, without running it, and say what is wrong with it."""
     with told():
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
 
-        resolved = load_study(study, sets or [])
+        resolved = load_study(study, sets or [], over or [])
         swept = None if resolved.sweep is None else read_sweep(resolved)
         # Drawn one by one: a case that is no valid study ends this with its reason.
         count = sum(1 for _ in swept.stream()) if swept else 1

@@ -19,6 +19,7 @@ from fibermelt.cli.common import (
     ColdOption,
     JsonOption,
     OutOption,
+    OverOption,
     SetOption,
     StudyArgument,
     WorkersOption,
@@ -107,6 +108,7 @@ def sweep(
     workers: WorkersOption = None,
     scheduler: SchedulerOption = None,
     sets: SetOption = None,
+    over: OverOption = None,
     retry_failed: RetryOption = False,
     cold: ColdOption = False,
     as_json: JsonOption = False,
@@ -117,7 +119,7 @@ def sweep(
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
 
-        swept = load_study(study, sets or [])
+        swept = load_study(study, sets or [], over or [])
         return read_sweep(swept, cold=cold), swept, results_folder(out, swept.name)
 
     _go(read, workers, scheduler, retry_failed, as_json)

@@ -96,9 +96,9 @@ def write_sweep_report(directory: Path, collected: xr.Dataset | None = None) -> 
     StoreError
         If the folder holds no sweep, a file of it is damaged, or it cannot be written.
     """
-    if collected is None:
-        collected = collect_sweep(directory)
-    page = render_sweep(collected, read_computed(directory))
+    page = render_sweep(
+        collect_sweep(directory) if collected is None else collected, read_computed(directory)
+    )
     is_run = (directory / "stages" / "outputs.json").exists()
     path = directory / (BESIDE_A_RUN if is_run else REPORT)
     replace_file(path, page)

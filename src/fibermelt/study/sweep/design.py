@@ -243,7 +243,8 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     if table is None:
         msg = (
             f"{study.name}: has no table [sweep]: name in it what varies, such as "
-            '"flow.gap" = ["2.5 mm", "3 mm"]; or use fibermelt run'
+            '"flow.gap" = ["2.5 mm", "3 mm"], or --over flow.gap="2.5 mm, 3 mm"; or use fibermelt '
+            "run"
         )
         raise ConfigError(msg)
     known = {declaration.key: declaration for declaration in declarations(Config)}
