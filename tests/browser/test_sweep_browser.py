@@ -43,9 +43,9 @@ def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], sc
 
 
 @every_width
-def test_what_varied_is_on_the_first_screen(opened: Any, size: tuple[int, int]) -> None:
+def test_the_answer_begins_on_the_first_screen(opened: Any, size: tuple[int, int]) -> None:
     page = opened(size)
-    box = page.locator("#run > p").first.bounding_box()
+    box = page.locator("#answer > p").first.bounding_box()
     assert box["y"] + box["height"] < size[1]
 
 

@@ -161,7 +161,8 @@ class Estimate:
     work : float
         Wall time of all that is left, one after the other [s].
     wall : float
-        The same on some workers [s]: what starts from one another comes one after the other.
+        The same on some workers [s], no less than what waits for one another takes. They start
+        in some seconds, which are not counted, nor is that others may keep the cores busy.
     size : int
         What it will take on the disk [bytes].
     unknown : tuple of str
@@ -201,11 +202,10 @@ def estimate(plan: Plan, directory: Path, pending: Sequence[PlannedCase], worker
     if pending and each is None:
         unknown.append("cases")
     work = sum(cost.values()) + count * (each or 0.0)
-    longest = max((_chain(job, left, cost) for job in left.values()), default=0.0)
     total = sum(sizes.get(job.stage, 0.0) for job in left.values()) + count * size
     return Estimate(
         work=work,
-        wall=max(work / workers, longest + (each or 0.0)) if work else 0.0,
+        wall=max(work / workers, _longest(left, cost) + (each or 0.0)) if work else 0.0,
         size=round(total),
         unknown=tuple(unknown),
     )
@@ -229,12 +229,19 @@ def _left(plan: Plan, pending: Sequence[PlannedCase], stored: set[str]) -> dict[
     return {key: job for key, job in plan.jobs.items() if key in left}
 
 
-def _chain(job: Job, left: Mapping[str, Job], cost: Mapping[str, float]) -> float:
-    """Return the time of a stage and of the neighbours that come before it [s]."""
-    spent = cost[job.key]
-    while (other := left.get(job.neighbour)) is not None:
-        spent, job = spent + cost[other.key], other
-    return spent
+def _longest(left: Mapping[str, Job], cost: Mapping[str, float]) -> float:
+    """Return the time of the stages that wait for one another, where they take longest [s]."""
+    ends: dict[str, float] = {}
+
+    def end(key: str) -> float:
+        if key not in left:
+            return 0.0
+        if key not in ends:
+            job = left[key]
+            ends[key] = cost[key] + max(map(end, (*job.needs, job.neighbour)))
+        return ends[key]
+
+    return max(map(end, left), default=0.0)
 
 
 def _means(plan: Plan, directory: Path) -> tuple[dict[str, float], dict[str, float], set[str]]:
