@@ -1,37 +1,15 @@
-"""The report in a browser: from disk, silent, without a request, and its moving figure moves.
-
-It needs Chromium (on Debian: ``apt-get install chromium``) and Playwright (``pip install
-playwright``; its own browsers are not needed).
-"""
+"""The report in a browser: from disk, silent, without a request, and its moving figure moves."""
 
 from __future__ import annotations
 
-import shutil
-import sys
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
-
-# The made-up results are the unit tests' own; nothing but this file needs them here.
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+from sizes import DESKTOP, PHONE, every_width, rgb
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
 from fibermelt.study.voids.summary import summarize_voids
-
-playwright = pytest.importorskip(
-    "playwright.sync_api", reason="needs Playwright: pip install playwright"
-)
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="needs Chromium: on Debian, apt-get install chromium"
-)
-
-PHONE, DESKTOP = (375, 740), (1280, 900)
-
-every_width = pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
 
 
 @pytest.fixture(scope="module")
@@ -41,45 +19,6 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     summary = {**stored_summary(results), **summarize_voids(results)}
     path.write_bytes(render(results, summary))
     return path.as_uri()
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture
-def opened(chromium: Any, address: str) -> Iterator[Any]:
-    """Opens the page at a size; at the end it must have said and asked for nothing."""
-    faults: list[str] = []
-    contexts: list[Any] = []
-
-    def visit(size: tuple[int, int], **options: Any) -> Any:
-        context = chromium.new_context(
-            viewport={"width": size[0], "height": size[1]}, offline=True, **options
-        )
-        contexts.append(context)
-        page = context.new_page()
-        page.on("console", lambda message: faults.append(f"console: {message.text}"))
-        page.on("pageerror", lambda error: faults.append(f"error: {error}"))
-        page.on(
-            "request",
-            lambda request: (
-                None
-                if request.url == address or request.url.startswith("data:")
-                else faults.append(f"request: {request.url}")
-            ),
-        )
-        page.goto(address)
-        return page
-
-    yield visit
-    for context in contexts:
-        context.close()
-    assert not faults
 
 
 def told(page: Any, name: str) -> str:
@@ -98,10 +37,6 @@ def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], sc
         page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("color", "background")
     )
     assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
-
-
-def rgb(css: str) -> list[int]:
-    return [int(part) for part in css.partition("(")[2].partition(")")[0].split(",")[:3]]
 
 
 @every_width

@@ -85,7 +85,7 @@ def test_a_plan_shows_what_is_shared_and_what_is_done(tmp_path):
     assert [case["status"] for case in after["each"]] == ["failed"] * 3 + ["done"] * 3
     words = fibermelt("plan", study, "--out", out).stdout
     assert "6 (2 x 3): 3 done, 3 failed, 0 to do" in words
-    assert "flow.gap = 0.003, fiber.aspect_ratio = 8" in words
+    assert "flow.gap = 0.003 m, fiber.aspect_ratio = 8" in words
 
 
 def test_a_grid_is_collected_over_its_axes(tmp_path):
@@ -149,7 +149,7 @@ def test_clean_takes_what_no_case_needs(tmp_path):
     assert not any((out / name).exists() for name in told["unneeded"])
     status = json.loads(fibermelt("status", out, "--json").stdout)
     assert (status["done"], status["failed"]) == (3, 3)
-    assert "0 not needed" in fibermelt("clean", out).stdout
+    assert "nothing to remove" in fibermelt("clean", out).stdout
 
 
 def test_clean_keeps_the_run_on_show(tmp_path, monkeypatch):
@@ -171,10 +171,10 @@ MISTAKES = [
         ("sweep", "STUDY", "--out", "OUT", "--scheduler", "tcp://h:1", "--workers", "2"),
         "--workers 2 with --scheduler",
     ),
-    (("status", "OUT"), "holds no sweep"),
-    (("resume", "OUT"), "holds no sweep"),
-    (("collect", "OUT"), "holds no sweep"),
-    (("clean", "OUT"), "neither a sweep nor a run"),
+    (("status", "OUT"), "no such folder"),
+    (("resume", "OUT"), "no such folder"),
+    (("collect", "OUT"), "no such folder"),
+    (("clean", "OUT"), "no such folder"),
 ]
 
 

@@ -160,7 +160,7 @@ def test_a_plan_tells_how_flows_start(tmp_path, options):
     study = str(fake_sweeps.study_file(tmp_path, SWEPT))
     printed = CliRunner().invoke(app, ["plan", study, "--out", str(tmp_path / "out"), *options])
     assert printed.exit_code == 0
-    told = "3 start from a neighbour, 0 are scaled from one: at least 3 one after the other"
+    told = "1 from cold, 3 from a neighbour, 0 scaled from one; 3 one after the other"
     assert (told in printed.stdout) is not bool(options)
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 
 from fibermelt.study.claims.judge import claims
 from fibermelt.study.loading import load_study
+from fibermelt.study.sweep.cost import Computed, Progress, StageCost
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.toml import resolved_toml
 
@@ -92,6 +93,20 @@ def contact(point):
 def pressure(point):
     """Inlet pressure [Pa] in proportion to the viscosity, and less for wide gaps."""
     return 1e3 * point[VISCOSITY] * (1 + 1e-3 / point[GAP])
+
+
+def with_errors(collected):
+    """Return a sweep whose flows state an error of the contact point: a hundredth of the gap."""
+    error = 1e-2 * collected[GAP] + 0 * collected["contact_point"]
+    return collected.assign(contact_point_error=error.assign_attrs(units="m"))
+
+
+COMPUTED = Computed(
+    stages={"flow": StageCost(6, 6, 4, 80.5, 60.0), "cell": StageCost(1, 1, 0, 2.0, 0.0)},
+    progress=Progress(42.0, 1, 5, 2.5, 1.5),
+    software={"ngsolve": ("6.2.1", "6.2.2")},
+)
+"""How a sweep might have been computed [s]."""
 
 
 NUMBERS = {

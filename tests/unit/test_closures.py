@@ -52,7 +52,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 @EVERY
 @given(seed=SEEDS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_promises_and_frame_indifference(name, seed):
     law, a, Q = CLOSURES[name], ensemble(seed), rotation(seed)
     A = law.fourth(a)
@@ -67,7 +67,7 @@ def test_promises_and_frame_indifference(name, seed):
 
 @EVERY
 @given(seed=SEEDS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_contractions_are_those_of_the_tensor(name, seed):
     law, a = CLOSURES[name], ensemble(seed)
     # The poles of a fit make its derivative large where two eigenvalues nearly coincide.

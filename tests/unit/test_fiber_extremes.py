@@ -24,8 +24,7 @@ from fibermelt.fiber import (
 )
 from fibermelt.history import FlowHistory, simple_shear
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
-FEW = settings(UNTIMED, max_examples=25)  # each builds a table or a chain of arrays
+FEW = settings(max_examples=25)  # each builds a table or a chain of arrays
 RESPONSE = unbounded_ellipse(Ellipse(42e-6, 6.0))
 MU = 817.0
 TABLE = 1e-7  # ten times the support table's tolerance, over the largest pressure
@@ -103,7 +102,6 @@ def test_pressures_are_proportional_to_the_viscosity(mu: float) -> None:
     assert other.highest == pytest.approx(mu * one.highest, rel=1e-12)
 
 
-@settings(UNTIMED)
 @given(st.integers(0, 10_000), st.floats(-np.pi, np.pi), st.floats(0.2, 2.8))
 def test_every_fiber_lies_between_the_bounds(seed: int, start: float, middle: float) -> None:
     history = wandering(seed)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
@@ -19,7 +19,6 @@ from fibermelt.fiber import (
 )
 from fibermelt.history import FlowHistory, simple_shear
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
 ANGLE = 1e-8  # what `follow` promises
 ROUNDING = 1e-11  # of a few hundred propagators
 
@@ -87,7 +86,6 @@ def test_one_coarse_interval_with_strong_stretch() -> None:
     assert motion.angle[:, -1] == pytest.approx(0.0, abs=ROUNDING)
 
 
-@settings(UNTIMED)
 @given(components, components, components, st.floats(-2.0, 2.0))
 def test_steady_gradient_against_its_exponential(a: float, b: float, c: float, factor: float):
     """p = exp(A t) p_0, at times short enough for no full turn."""
@@ -105,7 +103,6 @@ def test_steady_gradient_against_its_exponential(a: float, b: float, c: float, f
     assert cross / np.linalg.norm(image, axis=0) == pytest.approx(0.0, abs=ANGLE)
 
 
-@settings(UNTIMED)
 @given(st.floats(-np.pi, np.pi), st.floats(-1.4, 1.4))
 def test_frame_indifference(turn: float, factor: float) -> None:
     starts = isotropic_angles(4)
@@ -114,7 +111,6 @@ def test_frame_indifference(turn: float, factor: float) -> None:
     assert there.angle - turn == pytest.approx(here.angle, abs=ANGLE)
 
 
-@settings(UNTIMED)
 @given(st.floats(-np.pi, np.pi), st.floats(-1.4, 1.4))
 def test_both_ends_of_a_fiber_move_alike(start: float, factor: float) -> None:
     motion = follow(winding(41), factor, np.array([start, start + np.pi, start - 3.0 * np.pi]))
@@ -122,7 +118,6 @@ def test_both_ends_of_a_fiber_move_alike(start: float, factor: float) -> None:
     assert motion.angle[2] + 3.0 * np.pi == pytest.approx(motion.angle[0], abs=ROUNDING)
 
 
-@settings(UNTIMED)
 @given(st.floats(-1.4, 1.4))
 def test_fibers_never_overtake(factor: float) -> None:
     motion = follow(winding(41), factor, isotropic_angles(40))

@@ -16,8 +16,7 @@ from fibermelt.fiber import (
     unbounded_ellipse,
 )
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
-FEW = settings(UNTIMED, max_examples=10)  # each builds a table or a chain of arrays
+FEW = settings(max_examples=10)  # each builds a table or a chain of arrays
 ROUNDING = 1e-12  # a few hundred operations on numbers of the size of r_e
 
 ratios = st.floats(1.0, 30.0)
@@ -43,13 +42,11 @@ def test_no_fiber(half_length: float, aspect_ratio: float, key: str) -> None:
         Ellipse(half_length, aspect_ratio)
 
 
-@settings(UNTIMED)
 @given(ratios)
 def test_shape_factor_of_the_inverse_ratio_is_the_negative(ratio: float) -> None:
     assert jeffery_factor(1.0 / ratio) == pytest.approx(-jeffery_factor(ratio), abs=ROUNDING)
 
 
-@settings(UNTIMED)
 @given(ratios, angles)
 def test_closed_form_extremes_bound_and_touch_the_pressure(ratio: float, phase: float) -> None:
     surface = 2.0 * np.pi * np.arange(2000) / 2000
@@ -92,7 +89,6 @@ def test_periods_of_table_1(ratio: float, period: float) -> None:
     assert jeffery_period(ratio, 1.0) == pytest.approx(period, abs=0.006)  # printed to 0.01
 
 
-@settings(UNTIMED)
 @given(st.floats(1.0, 20.0), angles)
 def test_jeffery_angle_solves_its_equation(ratio: float, start: float) -> None:
     step = 1e-4

@@ -29,7 +29,7 @@ from fibermelt.fiber.spatial import follow_spatial, half_sphere, spatial_pressur
 from fibermelt.fiber.surroundings import surroundings
 from fibermelt.history import FlowHistory
 
-UNTIMED = settings(deadline=None, max_examples=20)  # a busy machine is no failure
+FEW = settings(max_examples=20)
 ROUNDING = 1e-12
 INTERPOLATED = 1e-10  # a trigonometric interpolant's roundings, over the largest pressure
 TABLE = 1e-8  # what the support function's table promises, over the largest pressure
@@ -78,7 +78,7 @@ def test_the_section_sees_the_extremes_of_the_whole_surface(ratio: float) -> Non
     assert -found.lowest.max() >= mildest
 
 
-@settings(UNTIMED)
+@FEW
 @given(st.floats(1.0, 50.0), st.floats(-4.0, 4.0), st.floats(-np.pi, np.pi))
 def test_the_section_is_the_pressure_on_the_spheroid(
     ratio: float, phase: float, place: float

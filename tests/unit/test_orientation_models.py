@@ -87,7 +87,7 @@ def sample(seed: int, count: int = 8) -> tuple[Array, Array]:
 
 @every_model
 @every_closure
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(seed=seeds)
 def test_the_rate_is_symmetric_traceless_and_objective(
     model: OrientationModel, name: str, seed: int
@@ -124,7 +124,7 @@ def test_without_diffusion_every_model_is_jefferys(model: OrientationModel) -> N
 
 
 @every_model
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seed=seeds)
 def test_models_agree_with_fiberoripy(model: OrientationModel, seed: int) -> None:
     tensors, gradients = sample(seed, 2)

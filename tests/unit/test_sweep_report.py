@@ -4,7 +4,17 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, VISCOSITY, made_up, sampled
+from swept_cases import (
+    COMPUTED,
+    GAP,
+    GRID,
+    NUMBERS,
+    ONE_AT_A_TIME,
+    VISCOSITY,
+    made_up,
+    sampled,
+    with_errors,
+)
 
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.study.claims.judge import claims
@@ -119,7 +129,9 @@ def page_of(tmp_path, text=GRID, failed=(), function=by_gap):
 def test_the_page_needs_nothing_else_and_is_the_same_each_time(tmp_path):
     page = page_of(tmp_path)
     reader, _ = read(page)
-    assert all(address.startswith(("data:", "#")) for address in reader.addresses)
+    # Sources have links, which nothing follows but a person.
+    others = [one for one in reader.addresses if not one.startswith(("data:", "#"))]
+    assert all(one.startswith("https://doi.org/") for one in others)
     assert all(address[1:] in reader.names for address in reader.addresses if address[0] == "#")
     assert len(set(reader.names)) == len(reader.names)
     assert all(reader.alts)
@@ -174,3 +186,39 @@ def test_samples_have_quantiles_and_one_column(tmp_path):
     assert "all 16 cases" in words
     assert "16 cases: samples of a Sobol sequence, seed 3." in words
     assert "low 2.5 mm, high 4 mm" in words
+
+
+def test_the_page_says_how_it_was_computed(tmp_path):
+    collected = with_errors(made_up(tmp_path, GRID, NUMBERS, failed={5}))
+    _, words = read(render_sweep(collected, COMPUTED))
+    assert "Of 6 results of the stage flow, 2 started from cold and 4 from that of a" in words
+    # The contact point is off by a hundredth of the gap [mm]: most in the case before the failed.
+    assert re.search(r"Contact point, from the nozzle's axis 0\.040 −3 mm 5\. gap 4 mm", words)
+    assert "flow 6 60.0 80.5" in words
+    # From before it was recorded: no processor time.
+    assert "cell 1 – 2.0" in words
+    assert "all else, by case 5 1.5 2.5" in words
+    assert "together 61.5 85.0" in words
+    assert "the last run into the folder took 42 s and found 1 stage there" in words
+    assert "ngsolve 6.2.1, 6.2.2" in words
+    assert "How it was computed" not in read(render_sweep(collected))[1]
+
+
+MODELS = f'{GRID}\n"fiber.model" = ["spheroid", "confined-ellipse"]'
+ONE_MODEL = '[fiber]\nmodel = "spheroid"\n'
+
+
+@pytest.mark.parametrize(
+    ("table", "there"), [(MODELS, True), (f"{GRID}\n{ONE_MODEL}", False), (GRID, True)]
+)
+def test_sources_are_those_of_any_case(tmp_path, table, there):
+    """Only the fiber in its cell is solved for by finite elements; half of the cases have one."""
+    reader, _ = read(render_sweep(made_up(tmp_path, table, NUMBERS)))
+    assert ("source-zhang2011" in reader.names) == there
+    assert reader.names.count("source-awenlimobor2024") == 1
+
+
+@pytest.mark.parametrize("design", [GRID, ONE_AT_A_TIME, sampled("sobol", 4)])
+def test_every_design_has_sources(tmp_path, design):
+    _, words = read(render_sweep(made_up(tmp_path, design, NUMBERS), COMPUTED))
+    assert "Array programming with NumPy" in words

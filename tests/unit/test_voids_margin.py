@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, HistoryError
@@ -18,7 +18,6 @@ from fibermelt.voids import (
     assess_onset,
 )
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
 ROUNDING = 1e-12  # a few tens of operations
 
 
@@ -53,7 +52,6 @@ def test_several_stays_and_a_start_below() -> None:
     assert float(through.time_below) == 1.0
 
 
-@UNTIMED
 @given(st.lists(st.integers(-9, 9), min_size=3, max_size=12), st.integers(0, 9))
 def test_against_a_fine_sampling(values, vapor) -> None:
     t = np.arange(float(len(values)))
@@ -66,7 +64,6 @@ def test_against_a_fine_sampling(values, vapor) -> None:
     assert (found.time_below > 0.0) == np.isfinite(found.first_below)
 
 
-@UNTIMED
 @given(st.floats(0.0, 5e6), st.floats(1e3, 1e6))
 def test_more_vapor_less_margin_and_more_time(vapor, more) -> None:
     t = np.linspace(0.0, 1.0, 50)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -20,7 +20,6 @@ from fibermelt.voids import (
 )
 from fibermelt.voids.constants import BOLTZMANN, WATER_MOLECULE
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
 ROUNDING = 1e-12  # a few tens of operations
 TENSION, HOT = 23.8e-3, 503.15
 WATER = float(molecules_per_volume(1.7e-3, 1154.0))
@@ -83,7 +82,6 @@ def test_no_surface_helps_without_a_deficit() -> None:
     assert ABS.required_contact_angle([-1e6, 0.0]) == pytest.approx(np.pi, rel=ROUNDING)
 
 
-@UNTIMED
 @given(deficits, st.floats(1.001, 3.0))
 def test_a_deeper_deficit_nucleates_more(deficit, factor) -> None:
     shallow, deep = ABS.log10_rate([deficit, factor * deficit])
@@ -92,7 +90,6 @@ def test_a_deeper_deficit_nucleates_more(deficit, factor) -> None:
     assert shallow < deep
 
 
-@UNTIMED
 @given(deficits, st.floats(0.01, 0.99), st.floats(300.0, 600.0))
 def test_wetting_heat_and_moisture(deficit, factor, temperature) -> None:
     plain = float(ABS.log10_rate(deficit))
@@ -109,7 +106,6 @@ def test_spreading_is_homogeneous() -> None:
     assert float(spread.log10_rate(1e6)) == float(ABS.log10_rate(1e6))
 
 
-@UNTIMED
 @given(st.floats(1e-6, 1.0), st.floats(-20.0, 30.0))
 def test_required_deficit_is_where_the_threshold_is(factor, threshold) -> None:
     law = heterogeneous(factor)
@@ -119,7 +115,6 @@ def test_required_deficit_is_where_the_threshold_is(factor, threshold) -> None:
     assert float(law.margin(deficit, threshold)) == pytest.approx(0.0, abs=1e-10)
 
 
-@UNTIMED
 @given(st.floats(1e5, 1e7), st.floats(-20.0, 30.0))
 def test_required_wetting_is_where_the_threshold_is(deficit, threshold) -> None:
     factor = float(ABS.required_wetting_factor(deficit, threshold))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -21,7 +21,6 @@ from fibermelt.voids import (
     wetting_factor,
 )
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
 ROUNDING = 1e-12  # a few tens of operations
 
 
@@ -50,7 +49,6 @@ def test_volume_fraction_follows_the_specific_volumes() -> None:
     assert float(law.volume_fraction(0.5)) == pytest.approx(2.0 / 3.0, rel=ROUNDING)
 
 
-@UNTIMED
 @given(st.floats(0.0, 0.6), st.floats(340.0, 480.0))
 def test_free_volume_grows_with_heat_and_with_solvent(w, T) -> None:
     here = float(TOLUENE_PS.self_diffusivity(w, T))
@@ -76,7 +74,6 @@ def test_water_in_mabs() -> None:
     assert found == pytest.approx([2.4e-9, 2.2e-8, 2.3e-6], rel=0.03)
 
 
-@UNTIMED
 @given(st.floats(0.0, 1e4), st.floats(280.0, 700.0))
 def test_arrhenius_never_falls_with_heat(activation, T) -> None:
     law = Arrhenius(1e-6, activation)
@@ -113,7 +110,6 @@ def test_polystyrene_by_its_parachor() -> None:
         Parachor.of_structure({"Si": 1})
 
 
-@UNTIMED
 @given(st.floats(500.0, 2000.0), st.floats(500.0, 2000.0))
 def test_eq_46_is_eq_45_at_two_densities(one, two) -> None:
     parachor, mass = Parachor(5e-5), 0.1
@@ -151,7 +147,6 @@ def test_wetting_factor_at_its_ends_and_in_the_middle() -> None:
     assert np.all(np.diff(wetting_factor(phi)) > 0.0)
 
 
-@UNTIMED
 @given(st.floats(1e-12, 1.0))
 def test_wetting_factor_there_and_back(factor) -> None:
     # near 180 degrees the factor is flat to fourth order: this way round it keeps its digits

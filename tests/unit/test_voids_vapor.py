@@ -16,8 +16,7 @@ from fibermelt.voids import (
 )
 from fibermelt.voids.constants import WATER_CRITICAL, WATER_TRIPLE
 
-UNTIMED = settings(deadline=None)  # a busy machine is no failure
-FEW = settings(UNTIMED, max_examples=40)  # each bisects several times
+FEW = settings(max_examples=40)  # each bisects several times
 ROUNDING = 1e-12  # a few tens of operations
 HOT = 503.15
 CONTENT = 0.005
@@ -142,7 +141,6 @@ def test_critical_moisture() -> None:
     assert critical_moisture(ABS, 1e5, HOT).shape == ()
 
 
-@UNTIMED
 @given(low=st.floats(-1e6, 4e6), more=st.floats(1e3, 1e6), temperature=temperatures)
 def test_critical_moisture_grows_with_pressure(low, more, temperature) -> None:
     at_low, at_high = critical_moisture(ABS, [low, low + more], temperature)

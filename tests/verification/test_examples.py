@@ -12,7 +12,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_no_example_is_missing_here() -> None:
-    names = {"content_to_cell.py", "lowest_pressure.py", "one_turn.py"}
+    names = {"content_to_cell.py", "lowest_pressure.py", "one_turn.py", "sweep_on_slurm.py"}
     assert {path.name for path in EXAMPLES.glob("*.py")} == names
 
 

@@ -47,7 +47,7 @@ def test_harmonics_are_orthonormal() -> None:
     assert (Y.T * weight) @ Y == pytest.approx(np.eye(Y.shape[1]), abs=ROUNDING)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 2**16), st.floats(-1.0, 1.5), st.floats(0.0, 2.0))
 def test_second_moment_obeys_folgar_tucker(seed: int, xi: float, D_r: float) -> None:
     L, psi = random_gradient(seed), random_distribution(8, seed)

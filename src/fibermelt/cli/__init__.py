@@ -1,7 +1,8 @@
 """The command line: thin, and a person's mistake never ends in a traceback.
 
 Exit codes: 0 done; 1 a check of `fibermelt verify` fails; 2 what the user can cause or cure, with
-one line for each fault on standard error; 130 interrupted.
+one line for each fault on standard error; 130 interrupted, 143
+a sweep that was told to end (SIGTERM).
 """
 
 from __future__ import annotations
@@ -10,9 +11,10 @@ import typer
 
 from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
+from fibermelt.cli.plans import plan
 from fibermelt.cli.reports import report
 from fibermelt.cli.studies import defaults, run, validate
-from fibermelt.cli.sweeps import clean, collect, plan, resume, status, sweep
+from fibermelt.cli.sweeps import clean, collect, resume, status, sweep
 from fibermelt.cli.versions import options, version
 from fibermelt.cli.voids import voids
 

@@ -7,13 +7,28 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
 
-__all__ = ["INTERRUPTED", "JsonOption", "SetOption", "StudyArgument", "say", "told"]
+__all__ = [
+    "ENDED",
+    "INTERRUPTED",
+    "ColdOption",
+    "JsonOption",
+    "OutOption",
+    "OverOption",
+    "SetOption",
+    "StudyArgument",
+    "WorkersOption",
+    "named_folder",
+    "results_folder",
+    "say",
+    "told",
+]
 
 MISTAKE = 2
 """Exit code of a `FibermeltError`: a study, a folder or a solve that cannot be as it is."""
@@ -26,6 +41,9 @@ SHIPPED = (
     "population"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
+
+ENDED = 143
+"""Exit code after a signal to end (128 + SIGTERM)."""
 
 StudyArgument = Annotated[
     str,
@@ -44,7 +62,48 @@ SetOption = Annotated[
         "`fibermelt defaults` prints all there are.",
     ),
 ]
+
+OverOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--over",
+        metavar="KEY=VALUES",
+        help='Have a parameter vary, such as --over flow.gap="3 mm, 4 mm", besides what the '
+        "study's table [sweep] has; may be given several times.",
+    ),
+]
+OutOption = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="DIR", help="Results folder; results/NAME by default, NAME of the study."
+    ),
+]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        help="Processes on this machine; as many as it has cores by default, 0 for this one only.",
+    ),
+]
+ColdOption = Annotated[
+    bool, typer.Option("--cold", help="Have no flow start from that of a neighbouring case.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
+
+
+def results_folder(out: str | None, name: str) -> Path:
+    """Return the results folder of a study: that of its name unless another one is named."""
+    return Path("results", name) if out is None else named_folder(out)
+
+
+def named_folder(out: str) -> Path:
+    """Return a results folder; an empty name would stand for the one that we are in."""
+    if not out.strip():
+        msg = '--out "": is no name of a folder; write one, such as --out results/mine, or leave '
+        msg += "--out away"
+        raise StoreError(msg)
+    return Path(out)
 
 
 @contextmanager

@@ -12,12 +12,15 @@ import typer
 from fibermelt.cli.common import (
     INTERRUPTED,
     JsonOption,
+    OutOption,
+    OverOption,
     SetOption,
     StudyArgument,
+    results_folder,
     say,
     told,
 )
-from fibermelt.errors import ConfigError, StoreError, legible
+from fibermelt.errors import ConfigError, legible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,14 +30,7 @@ __all__ = ["defaults", "run", "validate"]
 
 def run(
     study: StudyArgument,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Results folder, made if need be; results/NAME by default, NAME of the study.",
-        ),
-    ] = None,
+    out: OutOption = None,
     sets: SetOption = None,
     as_json: JsonOption = False,
     fresh: Annotated[
@@ -63,7 +59,7 @@ def run(
                 "fibermelt sweep, or fibermelt plan to see its cases"
             )
             raise ConfigError(msg)
-        folder = _folder(out, resolved.name)
+        folder = results_folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
             shown = legible(str(folder), len(str(folder)))
             typer.echo(
@@ -92,15 +88,6 @@ def run(
         say(json.dumps(summary, indent=1) if as_json else words)
 
 
-def _folder(out: str | None, name: str) -> Path:
-    """Return the results folder; an empty name would stand for the one that we are in."""
-    if out is not None and not out.strip():
-        msg = '--out "": is no name of a folder; write one, such as --out results/mine, or leave '
-        msg += "--out away"
-        raise StoreError(msg)
-    return Path("results", name) if out is None else Path(out)
-
-
 def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
     """Draw the figures: wired here, since the study does not know the report."""
     from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy, as in run
@@ -115,20 +102,36 @@ def _report(results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str,
     return render(results, summary, drawn)
 
 
-def validate(study: StudyArgument, sets: SetOption = None, as_json: JsonOption = False) -> None:
+def validate(
+    study: StudyArgument,
+    sets: SetOption = None,
+    over: OverOption = None,
+    as_json: JsonOption = False,
+) -> None:
     """Check a study without running it.
 
-    Every fault is told on a line of its own. With --json: all parameters as resolved, in SI.
+    Every fault is told on a line of its own; of a sweep every case is looked at. With --json: all
+    parameters as resolved, in SI.
     """
     with told():
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
+        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
 
-        resolved = load_study(study, sets or [])
+        resolved = load_study(study, sets or [], over or [])
+        swept = None if resolved.sweep is None else read_sweep(resolved)
+        # Drawn one by one: a case that is no valid study ends this with its reason.
+        count = sum(1 for _ in swept.stream()) if swept else 1
         if as_json:
-            say(json.dumps(flatten(resolved.config), indent=1))
-        else:
-            say(f"{legible(study, len(study))}: a valid study ({resolved.origin})")
+            cases = {} if swept is None else {"cases": count}
+            say(json.dumps({**flatten(resolved.config), **cases}, indent=1))
+            return
+        what = "study" if swept is None else f"sweep of {_counted(count)} over {swept.told()}"
+        say(f"{legible(study, len(study))}: a valid {what} ({resolved.origin})")
+
+
+def _counted(cases: int) -> str:
+    return f"{cases} case{'' if cases == 1 else 's'}"
 
 
 def defaults(as_json: JsonOption = False) -> None:

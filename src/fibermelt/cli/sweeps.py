@@ -1,21 +1,30 @@
-"""Commands for sweeps: `fibermelt sweep`, `plan`, `status`, `resume`, `clean` and `collect`."""
+"""Commands for sweeps: `fibermelt sweep`, `status`, `resume`, `clean` and `collect`."""
 
 from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Iterator
+import signal
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fibermelt.cli.common import (
+    ENDED,
     INTERRUPTED,
+    ColdOption,
     JsonOption,
+    OutOption,
+    OverOption,
     SetOption,
     StudyArgument,
+    WorkersOption,
+    named_folder,
+    results_folder,
     say,
     told,
 )
@@ -27,19 +36,11 @@ if TYPE_CHECKING:
     from fibermelt.study.progress import Observer
     from fibermelt.study.sweep.design import Sweep
 
-__all__ = ["clean", "collect", "plan", "resume", "status", "sweep"]
-
-LISTED = 40
-"""Cases that a plan lists for a person; --json has all of them."""
+__all__ = ["clean", "collect", "resume", "status", "sweep"]
 
 Folder = Annotated[str, typer.Argument(metavar="DIR", help="Results folder of a sweep.")]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option(
-        "--workers",
-        metavar="N",
-        help="Processes on this machine; as many as it has cores by default, 0 for this one only.",
-    ),
+AnyFolder = Annotated[
+    str, typer.Argument(metavar="DIR", help="Results folder of runs, of a sweep, or of both.")
 ]
 SchedulerOption = Annotated[
     str | None,
@@ -53,9 +54,23 @@ RetryOption = Annotated[
     bool, typer.Option("--retry-failed", help="Try cases again that had no answer.")
 ]
 
-ColdOption = Annotated[
-    bool, typer.Option("--cold", help="Have no flow start from that of a neighbouring case.")
-]
+
+class _Ended(KeyboardInterrupt):
+    """A signal to end: batch systems and `kill` send it where a person presses Ctrl-C."""
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Have SIGTERM end a sweep as Ctrl-C does, so that nothing of its cluster is left."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        raise _Ended
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class _Notes(Silent):
@@ -89,12 +104,11 @@ def _watching(*, as_json: bool) -> Iterator[Observer]:
 
 def sweep(
     study: StudyArgument,
-    out: Annotated[
-        str, typer.Option("--out", metavar="DIR", help="Results folder; made if need be.")
-    ],
+    out: OutOption = None,
     workers: WorkersOption = None,
     scheduler: SchedulerOption = None,
     sets: SetOption = None,
+    over: OverOption = None,
     retry_failed: RetryOption = False,
     cold: ColdOption = False,
     as_json: JsonOption = False,
@@ -104,14 +118,14 @@ def sweep(
     What is stored already is reused, and a sweep that was stopped goes on.
     """
 
-    def read() -> tuple[Sweep, Study]:
+    def read() -> tuple[Sweep, Study, Path]:
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
 
-        swept = load_study(study, sets or [])
-        return read_sweep(swept, cold=cold), swept
+        swept = load_study(study, sets or [], over or [])
+        return read_sweep(swept, cold=cold), swept, results_folder(out, swept.name)
 
-    _go(read, out, workers, scheduler, retry_failed, as_json)
+    _go(read, workers, scheduler, retry_failed, as_json)
 
 
 def resume(
@@ -126,18 +140,18 @@ def resume(
     What is finished is not computed again; the study's file is not needed.
     """
 
-    def read() -> tuple[Sweep, Study]:
+    def read() -> tuple[Sweep, Study, Path]:
         from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
         from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
 
-        return restored(CaseStore(Path(directory)))
+        folder = named_folder(directory)
+        return *restored(CaseStore(folder)), folder
 
-    _go(read, directory, workers, scheduler, retry_failed, as_json)
+    _go(read, workers, scheduler, retry_failed, as_json)
 
 
 def _go(
-    read: Callable[[], tuple[Sweep, Study]],
-    directory: str,
+    read: Callable[[], tuple[Sweep, Study, Path]],
     workers: int | None,
     scheduler: str | None,
     retry_failed: bool,
@@ -147,10 +161,9 @@ def _go(
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.runner import run_sweep  # noqa: PLC0415
 
-        folder = _existing_name(directory)
-        swept, study = read()
+        swept, study, folder = read()
         try:
-            with _watching(as_json=as_json) as observer:
+            with _ended_in_order(), _watching(as_json=as_json) as observer:
                 summary = run_sweep(
                     swept,
                     study,
@@ -161,12 +174,12 @@ def _go(
                     retry_failed=retry_failed,
                     observer=observer,
                 )
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as ended:
             typer.echo(
                 f"interrupted: finished cases are kept, fibermelt resume {_quoted(folder)} goes on",
                 err=True,
             )
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(ENDED if isinstance(ended, _Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
@@ -184,61 +197,10 @@ def _in_words(summary: dict[str, Any], folder: Path) -> str:
         f"cases           {summary['done']} of {summary['cases']} done, {summary['failed']} failed",
         f"stages reused   {summary['reused_stages']}",
         f"time            {summary['wall_s']:.1f} s",
-        f"results         {_shown(folder)}: fibermelt collect {_shown(folder)}",
+        f"results         {_shown(folder)}: fibermelt collect {_quoted(folder)}",
     ]
     if summary["failed"]:
-        lines.append(f"                fibermelt status {_shown(folder)} tells why some failed")
-    return "\n".join(lines)
-
-
-def plan(
-    study: StudyArgument,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out", metavar="DIR", help="Results folder to look into; results/NAME by default."
-        ),
-    ] = None,
-    sets: SetOption = None,
-    cold: ColdOption = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Show the cases of a sweep, and run none.
-
-    Tells which stages they share, and what of it is done in the results folder.
-    """
-    with told():
-        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.loading import load_study  # noqa: PLC0415
-        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
-
-        swept = load_study(study, sets or [])
-        folder = Path("results", swept.name) if out is None else _existing_name(out)
-        listed = list_plan(read_sweep(swept, cold=cold), swept, CHAIN, folder)
-        say(json.dumps(listed, indent=1) if as_json else _plan_in_words(listed))
-
-
-def _plan_in_words(listed: dict[str, Any]) -> str:
-    shape = " x ".join(map(str, listed["shape"]))
-    lines = [
-        f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
-        f"{listed['failed']} failed, {listed['pending']} to do"
-    ]
-    lines += [f"{'':<16}{key}: {told}" for key, told in listed["sampled"].items()]
-    for name, count in listed["stages"].items():
-        kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
-        lines.append(f"{name:<16}{count['results']} for all cases{kept}")
-        if "warm" in count:
-            started = (
-                f"{count['warm']} start from a neighbour, {count['scaled']} are scaled from one"
-            )
-            lines.append(f"{'':<16}{started}: at least {count['levels']} one after the other")
-    for case in listed["each"][:LISTED]:
-        point = ", ".join(f"{key} = {_number(value)}" for key, value in case["point"].items())
-        lines.append(f"{case['case']:>6}  {case['status']:<8}  {point}")
-    if (more := len(listed["each"]) - LISTED) > 0:
-        lines.append(f"        and {more} more: --json lists them all")
+        lines.append(f"                fibermelt status {_quoted(folder)} tells why some failed")
     return "\n".join(lines)
 
 
@@ -256,6 +218,10 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
             f"{found['pending']} to do",
             f"last run        {found['wall_s']:.1f} s, {found['reused_stages']} stages reused",
         ]
+        lines += [
+            f"{name:<16}{cost['stored']} of {cost['needed']} stored{_started(cost)}"
+            for name, cost in found["stages"].items()
+        ]
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
         lines += [f"damaged: {path}" for path in found["damaged"]]
         if found["pending"] or found["damaged"]:
@@ -263,14 +229,20 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
         say("\n".join(lines))
 
 
+def _started(cost: Mapping[str, Any]) -> str:
+    """Return how many results of a stage started from a neighbour, if any did."""
+    count = cost["from_neighbour"]
+    return f", {count} from a neighbour" if count else ""
+
+
 def clean(
-    directory: Folder,
+    directory: AnyFolder,
     yes: Annotated[bool, typer.Option("--yes", help="Remove it, rather than tell only.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Tell what a results folder no longer needs.
 
-    That is what no case of its sweep and no run on show in it needs. With --yes, remove it.
+    That is what no run on show in it and no case of its sweep needs. With --yes, remove it.
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
@@ -290,9 +262,12 @@ def clean(
         if as_json:
             say(json.dumps({"unneeded": names, "bytes": size, "removed": yes}, indent=1))
             return
+        if not names:
+            say("nothing to remove: a case or the run on show needs all that is there")
+            return
         told_of = "removed" if yes else "not needed by any case or run on show"
         lines = [*names, f"{len(names)} {told_of}, {size / 1e6:.1f} MB"]
-        if names and not yes:
+        if not yes:
             lines.append(f"fibermelt clean {_quoted(folder)} --yes removes them")
         say("\n".join(lines))
 
@@ -342,14 +317,6 @@ def collect(
         )
 
 
-def _existing_name(out: str) -> Path:
-    """Return the results folder; an empty name would stand for the one that we are in."""
-    if not out.strip():
-        msg = '--out "": is no name of a folder; write one, such as --out results/mine'
-        raise ConfigError(msg)
-    return Path(out)
-
-
 def _quoted(path: Path) -> str:
     """Return a path as a shell takes it, in a command to copy."""
     return shlex.quote(_shown(path))
@@ -357,7 +324,3 @@ def _quoted(path: Path) -> str:
 
 def _shown(path: Path) -> str:
     return legible(str(path), len(str(path)))
-
-
-def _number(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else legible(str(value))

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from fibermelt.report.account import parameters
-from fibermelt.report.sources import sources_of, written
+from fibermelt.report.sources import Source, sources_of, written
 from fibermelt.report.tables import Column, fixed, measured, number, table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["cost", "numbers", "sources", "versions"]
+__all__ = ["FLOW", "cost", "listed_sources", "listed_versions", "numbers", "sources", "versions"]
 
 MM, MPA = 1e3, 1e-6
 """Millimetres in a metre, megapascals in a pascal."""
@@ -134,16 +134,23 @@ def versions(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the versions of what computed the results."""
     del summary
     found = json.loads(results.attrs.get("software", "{}"))
+    return listed_versions("Software that wrote the results", found)
+
+
+def listed_versions(caption: str, found: Mapping[str, str]) -> Markup:
+    """Return versions by their software; nothing if none are known."""
     columns: Sequence[Column] = (Column("Software", is_text=True), Column("Version", is_text=True))
-    return (
-        table("Software that wrote the results", columns, [*found.items()]) if found else Markup()
-    )
+    return table(caption, columns, [*found.items()]) if found else Markup()
 
 
 def sources(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the sources that the study makes use of, and their BibTeX."""
     del summary
-    found = sources_of(parameters(results))
+    return listed_sources(sources_of(parameters(results)))
+
+
+def listed_sources(found: Sequence[tuple[Source, str]]) -> Markup:
+    """Return sources, each with what comes from it, and their BibTeX."""
     listed: Iterable[Markup] = (
         Markup('<li id="source-{}">{} <span class="use">For {}.</span></li>\n').format(
             source.key, written(source), what

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError, legible
 from fibermelt.study.files import digest, read_sealed
 from fibermelt.study.netcdf import from_bytes
-from fibermelt.study.schema import SCHEMA
+from fibermelt.study.schema import SCHEMA, no_folder
 from fibermelt.study.store import LONGEST_PATH, not_as_written
 
 if TYPE_CHECKING:
@@ -107,11 +107,7 @@ def _refuse(directory: Path) -> None:
     """Refuse what is no results folder of this schema."""
     marker = directory / "stages" / "store.json"
     if not marker.is_file():
-        what = "no such folder"
-        if directory.is_dir():
-            what = "is no results folder of fibermelt"
-        elif directory.exists():
-            what = "is a file, not a results folder"
+        what = no_folder(directory) or "is no results folder of fibermelt"
         msg = f"{_shown(directory)}: {what}; {_NAME_ANOTHER}"
         raise StoreError(msg)
     try:

@@ -12,7 +12,16 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.status import Status
 
-__all__ = ["Observer", "PlainProgress", "Silent", "TerminalProgress", "observing"]
+__all__ = ["Observer", "PlainProgress", "Silent", "TerminalProgress", "duration", "observing"]
+
+
+def duration(seconds: float) -> str:
+    """Return a time [s] in words, as well as anybody can foretell it."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"
 
 
 LOG_PAUSE, LOG_SHARE = 10.0, 0.02

@@ -149,7 +149,7 @@ class _Run:
     ) -> tuple[Record, xr.Dataset]:
         values = flatten(self.study.config)
         parameters, fed = stage_parameters(stage, values), stage.fed(values)
-        start = time.perf_counter()
+        start, busy = time.perf_counter(), time.process_time()
         self.observer.step(stage.name, "started")
         dataset = stage.compute(
             parameters,
@@ -165,6 +165,7 @@ class _Run:
             cost=time.perf_counter() - start,
             data="",
             software=software_versions(),
+            processor=time.process_time() - busy,
         )
         return record, dataset
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fibermelt.errors import StoreError
 
-__all__ = ["OUTPUTS", "REPORT", "SCHEMA", "refuse_foreign"]
+__all__ = ["OUTPUTS", "REPORT", "SCHEMA", "no_folder", "refuse_foreign"]
 
 SCHEMA = 1
 """Version of the results folder and of summary.json; another one is never read or overwritten."""
@@ -17,6 +17,13 @@ REPORT = "report.html"
 
 OUTPUTS = ("config.toml", "summary.json", "results.nc", "flow.vtu", "figures", REPORT)
 """What lies on show in a results folder."""
+
+
+def no_folder(directory: Path) -> str:
+    """Return in words why a path cannot be a results folder; empty if it is a folder."""
+    if directory.is_dir():
+        return ""
+    return "is a file, not a results folder" if directory.exists() else "no such folder"
 
 
 def refuse_foreign(directory: Path, marker: Path, *, fresh: bool = False) -> None:

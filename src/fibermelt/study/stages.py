@@ -81,10 +81,13 @@ class Neighbour:
         What it read.
     data : xarray.Dataset
         Its data.
+    key : str
+        Its key.
     """
 
     parameters: Parameters
     data: xr.Dataset
+    key: str = ""
 
 
 ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], "xr.Dataset"]

@@ -14,7 +14,7 @@ at most the stage that it was in. Every file is checked against its digest befor
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from dataclasses import replace as changed
@@ -69,6 +69,10 @@ class Record:
         SHA-256 of its data.nc.
     software : dict
         Versions of what computed it.
+    processor : float
+        Processor time that it took [s]; 0 in records from before it was kept.
+    neighbour : str
+        In a sweep, key of the same stage of another case from which it started; empty: from cold.
     """
 
     stage: str
@@ -79,6 +83,8 @@ class Record:
     cost: float
     data: str
     software: Mapping[str, str]
+    processor: float = 0.0
+    neighbour: str = ""
 
 
 class Store:
@@ -141,6 +147,13 @@ class Store:
             raise _damaged_stage(folder / "record.json")
         self._read_data(record)
         return record
+
+    def records(self) -> Iterator[tuple[Record, int]]:
+        """Yield the record of every finished stage and its size [bytes]; no damaged one."""
+        for folder in sorted(self._stages.glob("[!.]*-*")):
+            with suppress(StoreError, OSError):
+                record = self._read_record(folder)
+                yield record, sum(path.stat().st_size for path in folder.iterdir())
 
     def load(self, record: Record) -> xr.Dataset:
         """Return the data of a finished stage.

@@ -16,7 +16,7 @@ from fibermelt.study.parameters import Declaration, declarations
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.sweep.collection import Reduced
 from fibermelt.study.sweep.record import Asked, read_asked
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.study.sweep.store import CaseStore, damaged_batch
 from fibermelt.study.toml import resolved_toml
 
 if TYPE_CHECKING:
@@ -55,11 +55,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
     shape = asked.shape if asked.is_grid else (len(asked.cases),)
     found = _numbers(cases, [case.result for case in asked.cases])
     if cases.damaged:
-        msg = (
-            f"{cases.damaged[0]}: is damaged, or was changed since it was written; fibermelt "
-            "resume DIR computes its cases anew"
-        )
-        raise StoreError(msg)
+        raise damaged_batch(cases.damaged[0])
     found |= _status(cases, asked)
     variables: dict[str, Any] = {}
     for name, (dims, values, about) in sorted(found.items()):
@@ -81,6 +77,9 @@ def collect_sweep(directory: Path) -> xr.Dataset:
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """How a netCDF-4 file begins."""
 
+ZARR = (".zgroup", "zarr.json")
+"""What a Zarr folder holds, of format 2 or 3."""
+
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write a dataset as netCDF-4, whole or not at all.
@@ -90,9 +89,7 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     StoreError
         If it cannot be written, its folder is not there, or a file is that holds something else.
     """
-    if not path.parent.is_dir():
-        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
-        raise StoreError(msg)
+    _refuse_no_parent(path)
     with storage_errors(path):
         if path.exists() and not path.read_bytes().startswith(HDF5):
             msg = f"{path}: is there and no dataset; it is not overwritten: name another with --to"
@@ -101,28 +98,42 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
 
 
 def write_zarr(dataset: xr.Dataset, path: Path) -> None:
-    """Write a dataset as a Zarr folder, whole or not at all.
+    """Write a dataset as a Zarr folder of format 2, whole or not at all.
 
     Raises
     ------
     ConfigError
         If zarr is not installed.
     StoreError
-        If it cannot be written.
+        If it cannot be written, its folder is not there, or something is there that is no Zarr.
     """
     if find_spec("zarr") is None:
-        msg = "--zarr needs the package zarr: pip install zarr, or leave it away for netCDF"
+        msg = (
+            '--zarr needs the package zarr: pip install "fibermelt[zarr]", or leave it away for '
+            "netCDF"
+        )
         raise ConfigError(msg)
-    temporary = partial(path.parent)
+    _refuse_no_parent(path)
+    temporary, old = partial(path.parent), partial(path.parent)
     with storage_errors(path):
+        if path.exists() and not any((path / name).is_file() for name in ZARR):
+            msg = f"{path}: is there and no Zarr; it is not overwritten: name another with --to"
+            raise StoreError(msg)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            dataset.to_zarr(temporary, mode="w", consolidated=False)
+            # Format 3 has no settled way to store texts, as zarr warns.
+            dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=2)
             if path.exists():
-                remove(path)
+                path.rename(old)
             temporary.rename(path)
         finally:
             remove(temporary)
+            remove(old)
+
+
+def _refuse_no_parent(path: Path) -> None:
+    if not path.parent.is_dir():
+        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
+        raise StoreError(msg)
 
 
 def _numbers(cases: CaseStore, results: Sequence[str]) -> Found:

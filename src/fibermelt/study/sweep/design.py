@@ -119,6 +119,11 @@ class Sweep:
         """Return the number of cases."""
         return math.prod(self.shape)
 
+    def told(self) -> str:
+        """Return what varies, in words: ``flow.bed_speed with flow.inlet_speed x flow.gap``."""
+        over = [" with ".join(axis.keys) for axis in self.axes]
+        return " x ".join(over) if self.design == "grid" else f"{', '.join(over)} ({self.design})"
+
     def settings(self) -> list[dict[str, Any]]:
         """Return what each case sets, by key, as written or in SI."""
         if self.design == "grid":
@@ -238,7 +243,8 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     if table is None:
         msg = (
             f"{study.name}: has no table [sweep]: name in it what varies, such as "
-            '"flow.gap" = ["2.5 mm", "3 mm"]; or use fibermelt run'
+            '"flow.gap" = ["2.5 mm", "3 mm"], or --over flow.gap="2.5 mm, 3 mm"; or use fibermelt '
+            "run"
         )
         raise ConfigError(msg)
     known = {declaration.key: declaration for declaration in declarations(Config)}

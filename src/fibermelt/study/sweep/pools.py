@@ -6,20 +6,23 @@ dask.distributed is imported when a cluster is wanted, and never for anything el
 from __future__ import annotations
 
 import logging
+import os
 import queue
+import signal
 import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep.tasks import Outcome, Task, forget, fulfil, single_threaded
 
-__all__ = ["Died", "Pool", "open_pool"]
+__all__ = ["Died", "Pool", "cores", "open_pool"]
 
 CONNECT = 20.0
 """Time [s] in which a scheduler has to answer: it is there, or it is not."""
@@ -27,8 +30,21 @@ CONNECT = 20.0
 COUNT_AGAIN = 5.0
 """Time [s] after which the workers are counted again: on a cluster they come and go."""
 
+ANY_PORT = "127.0.0.1:0"
+"""Where a scheduler of ours serves HTTP, which it insists on: else port 8787, with a complaint if
+another sweep has it."""
+
 DEATHS = 3
 """Workers that may die over a task before it is given up, as dask counts them."""
+
+
+def cores() -> int:
+    """Return the cores of this machine that we may use: workers, unless told otherwise."""
+    try:
+        from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
+    except ImportError:
+        return os.cpu_count() or 1
+    return int(CPU_COUNT)
 
 
 class Died:
@@ -74,9 +90,9 @@ class _Here:
 class _Cluster:
     """Workers of dask.distributed."""
 
-    def __init__(self, client: Any, where: str) -> None:
+    def __init__(self, client: Any, where: str, folder: Path) -> None:
         self._client = client
-        self._where = where
+        self._where, self._folder = where, folder
         self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
         self._futures: set[Any] = set()
         self._threads, self._counted = 0, -COUNT_AGAIN
@@ -124,7 +140,7 @@ class _Cluster:
     def _lost(self) -> FibermeltError:
         return FibermeltError(
             f"the scheduler {self._where} is gone: finished cases are kept; go on with fibermelt "
-            "resume DIR, with --scheduler where there is another one"
+            f"resume {self._folder}, with --scheduler where there is another one"
         )
 
 
@@ -197,30 +213,55 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
         }
         stack.enter_context(dask.config.set(settings))
         if scheduler is None:
-            yield stack.enter_context(_local(workers))
+            yield stack.enter_context(_local(workers, folder))
         else:
             yield stack.enter_context(_remote(scheduler, folder))
 
 
 @contextmanager
-def _local(workers: int | None) -> Iterator[_Cluster]:
+def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
     """Yield a cluster on this machine, which goes with this process however that ends."""
-    from dask.system import CPU_COUNT  # noqa: PLC0415  lazy: see the module
-
     dd = _distributed()
-    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch:
-        cluster = dd.LocalCluster(
-            n_workers=workers or CPU_COUNT,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address=None,
-            local_directory=scratch,
-            silence_logs=logging.CRITICAL,
-            env=single_threaded(),
-        )
-        with cluster, dd.Client(cluster, set_as_default=False) as client:
-            yield _Cluster(client, "of this machine")
+    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch, ExitStack() as stack:
+        try:
+            with _without_interrupts():
+                cluster = dd.LocalCluster(
+                    n_workers=workers or cores(),
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address=None,
+                    scheduler_kwargs={"dashboard_address": ANY_PORT},
+                    local_directory=scratch,
+                    silence_logs=logging.CRITICAL,
+                    env=single_threaded(),
+                )
+                client = dd.Client(stack.enter_context(cluster), set_as_default=False)
+                stack.enter_context(client)
+            yield _Cluster(client, "of this machine", folder)
+        finally:
+            # Ctrl-C once more must not leave it half closed.
+            with _without_interrupts():
+                stack.close()
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Let Ctrl-C wait until the end, and never reach processes that are started inside.
+
+    A terminal sends SIGINT to all of them. Threads and processes inherit what is blocked, so
+    those of a cluster, also a worker that takes the place of a dead one, leave it to the client.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # there is none on Windows
+        yield
+        return
+    # Started by the first process that needs it, it would let SIGINT through again.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -251,7 +292,7 @@ def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
         )
         raise FibermeltError(msg) from error
     try:
-        yield _Cluster(client, scheduler)
+        yield _Cluster(client, scheduler, folder)
     finally:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):

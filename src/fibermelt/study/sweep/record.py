@@ -163,7 +163,7 @@ def restored(cases: CaseStore) -> tuple[Sweep, Study]:
     if then != now:
         msg = (
             f"{cases.directory}: this version of fibermelt, or of scipy, makes other cases of the "
-            "sweep: run fibermelt sweep STUDY --out DIR to begin it anew"
+            f"sweep: run fibermelt sweep STUDY --out {cases.directory} to begin it anew"
         )
         raise StoreError(msg)
     return sweep, found.study

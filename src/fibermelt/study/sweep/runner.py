@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter, deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
-from fibermelt.study.progress import Observer, Silent
+from fibermelt.study.progress import Observer, Silent, duration
+from fibermelt.study.runner import software_versions
 from fibermelt.study.stages import stage_parameters
+from fibermelt.study.sweep.cost import Progress, read_progress, write_progress
 from fibermelt.study.sweep.plan import Job, Plan, PlannedCase, plan_sweep
 from fibermelt.study.sweep.pools import Died, Pool, open_pool
 from fibermelt.study.sweep.record import asked
@@ -103,14 +105,14 @@ def run_sweep(
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
     cases.forget_failures(lasting=retry_failed)
-    work = _Work(plan, cases, observer, began)
+    work = _Work(plan, chain, cases, observer, began, read_progress(cases))
     work.begin()
     if work.left():
         folder = Folder(str(directory.resolve()), plan.base, chain)
         with open_pool(workers, scheduler, directory) as pool:
             work.through(pool, folder)
     summary = work.summary()
-    cases.write_progress(wall=summary["wall_s"], reused=summary["reused_stages"])
+    write_progress(cases, replace(work.progress(), wall_s=summary["wall_s"]))
     observer.done(
         "sweep", f"{summary['done']} of {summary['cases']} cases done, {summary['failed']} failed"
     )
@@ -135,9 +137,11 @@ class _Work:
     """What is left of a sweep; the only state that changes while it runs."""
 
     plan: Plan
+    chain: Chain
     cases: CaseStore
     observer: Observer
     began: float
+    before: Progress
     done: set[str] = field(default_factory=set)
     failed: dict[str, str] = field(default_factory=dict)
     reused: int = 0
@@ -153,6 +157,9 @@ class _Work:
     planned: Counter[str] = field(default_factory=Counter)
     cases_left: int = 0
     flying: int = 0
+    computed: int = 0
+    seconds: float = 0.0
+    processor: float = 0.0
     told: float = 0.0
     noted: float = 0.0
 
@@ -291,6 +298,10 @@ class _Work:
             else:
                 self.reused += outcome.state == "found" and bool(task.stage)
                 self._finish(items[outcome.key])
+            if outcome.state == "done" and not task.stage:
+                self.computed += 1
+                self.seconds += outcome.seconds
+                self.processor += outcome.processor
 
     def _take_dead(self, task: Task) -> None:
         """Try each part of a task by itself that workers died of; give up one that is by itself."""
@@ -359,7 +370,7 @@ class _Work:
             self.observer.tick("sweep", line)
         if now - self.noted > NOTE:
             self.noted = now
-            self.cases.write_progress(wall=now - self.began, reused=self.reused)
+            write_progress(self.cases, self.progress())
 
     def _stages_told(self) -> str:
         """Return how many of the stages to keep there are, those of which some are to come."""
@@ -378,7 +389,18 @@ class _Work:
         if not all(self.pace.get(kind, _Pace()).known for kind, count in left.items() if count):
             return ""
         seconds = sum(count * self.pace[kind].seconds for kind, count in left.items() if count)
-        return f", about {_duration(seconds / pool.threads())} to go"
+        return f", about {duration(seconds / pool.threads())} to go"
+
+    def progress(self) -> Progress:
+        """Return how far this run is, with what the ones before it computed."""
+        return Progress(
+            wall_s=time.perf_counter() - self.began,
+            reused_stages=self.reused,
+            cases=self.before.cases + self.computed,
+            cases_s=self.before.cases_s + self.seconds,
+            cases_processor_s=self.before.cases_processor_s + self.processor,
+            software=software_versions() if self.computed else self.before.software,
+        )
 
     def summary(self) -> dict[str, Any]:
         """Return what became of all cases, those that are alike counted one by one."""
@@ -397,12 +419,3 @@ def _key(item: Job | PlannedCase) -> str:
 
 def _kind(item: Job | PlannedCase) -> str:
     return item.kind if isinstance(item, Job) else "case"
-
-
-def _duration(seconds: float) -> str:
-    """Return a time in words."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    if seconds < 5400:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"

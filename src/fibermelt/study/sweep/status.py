@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,9 @@ from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.files import partial, remove, storage_errors
 from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
+from fibermelt.study.schema import no_folder
 from fibermelt.study.stages import keys
+from fibermelt.study.sweep.cost import estimate, read_computed
 from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.plan import Plan, plan_sweep
 from fibermelt.study.sweep.record import read_asked
@@ -24,7 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["list_plan", "list_unneeded", "remove_unneeded", "sweep_status"]
 
 
-def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict[str, Any]:
+def list_plan(
+    sweep: Sweep, study: Study, chain: Chain, directory: Path, workers: int = 1
+) -> dict[str, Any]:
     """Return what a sweep comes to, and what of it a results folder has already.
 
     Parameters
@@ -33,6 +38,8 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
         The sweep, the study that holds it, and the stages that there are.
     directory : Path
         The results folder; it need not be there.
+    workers : int
+        How many are to work at once.
 
     Returns
     -------
@@ -42,13 +49,14 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
         ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
         them are ``"kept"`` in the folder, and ``"stored"`` there by now, how many start ``"warm"``
         from a neighbour's or are ``"scaled"`` from it, and ``"levels"``: how many must come one
-        after the other; ``"each"``: every case with its ``"point"``, its ``"stages"`` and its
-        ``"status"``.
+        after the other; ``"estimate"``: as `fibermelt.study.sweep.cost.Estimate` has it, with the
+        ``"workers"`` that it is for; ``"each"``: every case with its ``"point"``, its
+        ``"stages"`` and its ``"status"``.
     """
     plan = plan_sweep(sweep, study, chain)
     cases = CaseStore(directory)
     done, failures = cases.refresh(), cases.failures()
-    each = []
+    each, pending = [], []
     for case in plan.cases:
         failed = any(key in failures for key in case.keys.values())
         each.append(
@@ -60,6 +68,8 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
                 "status": "done" if case.result in done else "failed" if failed else "pending",
             }
         )
+        if each[-1]["status"] == "pending":
+            pending.append(case)
     counts = Counter(case["status"] for case in each)
     kept = Counter(job.stage for job in plan.jobs.values())
     stored = Counter(
@@ -85,6 +95,7 @@ def list_plan(sweep: Sweep, study: Study, chain: Chain, directory: Path) -> dict
             }
             for name, count in plan.shared().items()
         },
+        "estimate": {**asdict(estimate(plan, directory, pending, workers)), "workers": workers},
         "each": each,
     }
 
@@ -111,7 +122,9 @@ def sweep_status(directory: Path) -> dict[str, Any]:
         ``"cases"``; ``"done"``, ``"failed"``, ``"pending"`` of them; ``"reused_stages"`` and
         ``"wall_s"`` of the last run into the folder; ``"reasons"``: how many cases each reason
         cost; ``"failures"``: the stages without an answer, with their parameters; ``"damaged"``:
-        files that are not what was written.
+        files that are not what was written; ``"stages"``: of each stage that is kept, how many
+        results are ``"needed"`` and ``"stored"``, how many of these started ``"from_neighbour"``,
+        and what they cost: ``"seconds"`` of wall time and ``"processor"`` time [s].
 
     Raises
     ------
@@ -128,12 +141,14 @@ def sweep_status(directory: Path) -> dict[str, Any]:
         elif failure := asked.failure(case, failures):
             reasons[failure.reason] += 1
             met[failure.key] = failure
-    failed = sum(reasons.values())
+    failed, computed = sum(reasons.values()), read_computed(directory)
+    progress = computed.progress
     return {
         "cases": len(asked.cases),
         "done": done,
         "failed": failed,
-        **cases.read_progress(),
+        "reused_stages": progress.reused_stages,
+        "wall_s": progress.wall_s,
         "pending": len(asked.cases) - done - failed,
         "reasons": dict(reasons.most_common()),
         "failures": [
@@ -147,6 +162,7 @@ def sweep_status(directory: Path) -> dict[str, Any]:
             for failure in met.values()
         ],
         "damaged": [str(path) for path in cases.damaged],
+        "stages": {name: asdict(cost) for name, cost in computed.stages.items()},
     }
 
 
@@ -168,7 +184,8 @@ def list_unneeded(directory: Path, chain: Chain) -> list[Path]:
     cases = CaseStore(directory)
     is_swept, config = (directory / "sweep.json").exists(), directory / "config.toml"
     if not is_swept and not config.exists():
-        msg = f"{directory}: holds neither a sweep nor a run: there is nothing to tell what goes"
+        what = no_folder(directory) or "holds neither a sweep nor a run"
+        msg = f"{directory}: {what}: nothing tells what is not needed; name a results folder"
         raise StoreError(msg)
     stages: set[Path] = set()
     results: set[str] = set()

@@ -33,11 +33,11 @@ from fibermelt.study.files import (
     replace_file,
     storage_errors,
 )
-from fibermelt.study.schema import SCHEMA
+from fibermelt.study.schema import SCHEMA, no_folder
 from fibermelt.study.store import KEY_LENGTH, Store
 from fibermelt.study.sweep.collection import Batch
 
-__all__ = ["CaseStore", "Failure", "claimed", "open_case_store", "stage_folder"]
+__all__ = ["CaseStore", "Failure", "claimed", "damaged_batch", "open_case_store", "stage_folder"]
 
 
 NO_BATCH = (ValueError, KeyError, EOFError, zipfile.BadZipFile)
@@ -159,14 +159,15 @@ class CaseStore:
         """
         path = self.directory / "sweep.json"
         if not path.exists():
-            msg = f"{self.directory}: holds no sweep: use fibermelt sweep STUDY --out DIR"
+            what = no_folder(self.directory) or "holds no sweep"
+            msg = f"{self.directory}: {what}; name a folder that fibermelt sweep wrote"
             raise StoreError(msg)
         try:
             content = read_sealed(path)
         except ValueError as error:
             msg = (
                 f"{path}: is damaged, or was changed since it was written; run fibermelt sweep "
-                "STUDY --out DIR again to write it anew: finished cases are kept"
+                f"STUDY --out {self.directory} again to write it anew: finished cases are kept"
             )
             raise StoreError(msg) from error
         if content.get("schema") != SCHEMA:
@@ -235,7 +236,7 @@ class CaseStore:
         """Return the bytes of a file that are those which its name tells."""
         data = (self.folder / name).read_bytes()
         if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".npz"):
-            raise _damaged(self.folder / name)
+            raise damaged_batch(self.folder / name)
         return data
 
     # What has no answer.
@@ -269,20 +270,10 @@ class CaseStore:
     def _failure_path(self, stage: str, key: str) -> Path:
         return self.folder / f"failed-{stage}-{key[:KEY_LENGTH]}.json"
 
-    # How far.
-
-    def write_progress(self, *, wall: float, reused: int) -> None:
-        """Write how long the last run took so far [s], and how many stages it found."""
-        content = {"wall_s": wall, "reused_stages": reused}
-        data = {"content": content, "sha256": digest(canonical(content))}
-        replace_file(self.folder / "progress.json", json.dumps(data).encode())
-
-    def read_progress(self) -> dict[str, Any]:
-        """Return what `write_progress` wrote, or nothing if it is not there or damaged."""
-        try:
-            return read_sealed(self.folder / "progress.json")
-        except (ValueError, StoreError):
-            return {"wall_s": 0.0, "reused_stages": 0}
+    @property
+    def progress(self) -> Path:
+        """Return the file that tells how far the last run was."""
+        return self.folder / "progress.json"
 
     def lock(self, name: str) -> Path:
         """Return the file whose lock stands for a stage or a case."""
@@ -330,8 +321,9 @@ def _failure(path: Path) -> Failure | None:
         return None
 
 
-def _damaged(path: Path) -> StoreError:
+def damaged_batch(path: Path) -> StoreError:
+    """Return what is to be said of numbers of cases that are not what was written."""
     return StoreError(
-        f"{path}: is damaged, or was changed since it was written; fibermelt resume DIR computes "
-        "its cases anew"
+        f"{path}: is damaged, or was changed since it was written; fibermelt resume "
+        f"{path.parent.parent} computes its cases anew"
     )

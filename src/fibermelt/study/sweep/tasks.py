@@ -92,8 +92,8 @@ class Outcome:
     state : str
         ``"done"``; ``"found"``: it was there; ``"failed"``; ``"busy"``: somebody else is at it;
         ``"storage"``: the folder cannot be written or read.
-    seconds : float
-        Wall time that it took [s].
+    seconds, processor : float
+        Wall time and processor time that it took [s].
     failed : str
         Key of the stage that has no answer.
     note : str
@@ -103,6 +103,7 @@ class Outcome:
     key: str
     state: State
     seconds: float = 0.0
+    processor: float = 0.0
     failed: str = ""
     note: str = ""
 
@@ -186,7 +187,7 @@ class _Worker:
 
     def keep(self, name: str, case: PlannedCase) -> Outcome:
         """Compute a stage and store it, unless it is there."""
-        key, began = case.keys[name], time.perf_counter()
+        key, began = case.keys[name], _now()
         self._mended = ""
         with claimed(self._cases.lock(key), wait=False) as ours:
             if not ours:
@@ -199,8 +200,7 @@ class _Worker:
             except _NoAnswer as no_answer:
                 self._cases.write_failure(no_answer.failure)
                 return Outcome(key, "failed", failed=no_answer.failure.key)
-        spent = time.perf_counter() - began
-        return Outcome(key, "found" if was_there else "done", spent, note=self._mended)
+        return Outcome(key, "found" if was_there else "done", *_since(began), note=self._mended)
 
     def compute(self, cases: tuple[PlannedCase, ...]) -> list[Outcome]:
         """Compute the numbers of cases, and write all of them in one file."""
@@ -219,15 +219,15 @@ class _Worker:
                 if case.result in finished:
                     outcomes.append(Outcome(case.result, "found"))
                     continue
-                began, self._mended = time.perf_counter(), ""
+                began, self._mended = _now(), ""
                 try:
                     numbers.append((case.result, self._numbers(case)))
                 except _NoAnswer as no_answer:
                     self._cases.write_failure(no_answer.failure)
                     outcomes.append(Outcome(case.result, "failed", failed=no_answer.failure.key))
                 else:
-                    spent = time.perf_counter() - began
-                    outcomes.append(Outcome(case.result, "done", spent, note=self._mended))
+                    spent = _since(began)
+                    outcomes.append(Outcome(case.result, "done", *spent, note=self._mended))
             for batch in stack(numbers):
                 self._cases.write_batch(batch)
         return outcomes
@@ -241,7 +241,7 @@ class _Worker:
             if name in feeding or name in case.kept:
                 found |= self._data(name, case, values).numbers
             else:
-                found |= reduce_results(self._compute(name, case, values))
+                found |= reduce_results(self._compute(name, case, values)[0])
         return found
 
     def _data(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> _Held:
@@ -251,7 +251,7 @@ class _Worker:
             self._cache.move_to_end(key)
             return self._cache[key]
         if name not in case.kept:
-            return self._remember(key, self._compute(name, case, values))
+            return self._remember(key, self._compute(name, case, values)[0])
         data = self._stored(name, key)
         if data is None:
             with claimed(self._cases.lock(key), wait=True):
@@ -277,14 +277,17 @@ class _Worker:
             self._held -= oldest.size
         return entry
 
-    def _compute(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> xr.Dataset:
-        """Return the data of a stage, computed from those of its inputs."""
+    def _compute(
+        self, name: str, case: PlannedCase, values: Mapping[str, Value]
+    ) -> tuple[xr.Dataset, str]:
+        """Return the data of a stage, from those of its inputs, and the key of its neighbour."""
         stage = self._stages[name]
         if known := self._cases.failure(name, case.keys[name]):
             raise _NoAnswer(known)
         inputs = {other: self._data(other, case, values).data for other in stage.fed(values)}
         start = self._neighbour(stage, case)
-        return _answer(stage, case.keys[name], stage_parameters(stage, values), inputs, start)
+        data = _answer(stage, case.keys[name], stage_parameters(stage, values), inputs, start)
+        return data, start.key if start is not None else ""
 
     def _neighbour(self, stage: Stage, case: PlannedCase) -> Neighbour | None:
         """Return what a stage starts from, or None: from cold, as when its neighbour failed."""
@@ -297,13 +300,14 @@ class _Worker:
         except _NoAnswer as no_answer:
             self._cases.write_failure(no_answer.failure)
             return None
-        return Neighbour(stage_parameters(stage, values), data)
+        return Neighbour(stage_parameters(stage, values), data, other.keys[stage.name])
 
     def _produce(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> xr.Dataset:
         """Compute a stage and store it in place of a damaged one; whoever calls holds its lock."""
         was_damaged = bool(self._mended)
-        began = time.perf_counter()
-        data = self._compute(name, case, values)
+        began = _now()
+        data, neighbour = self._compute(name, case, values)
+        seconds, processor = _since(began)
         stage = self._stages[name]
         record = Record(
             stage=name,
@@ -311,12 +315,25 @@ class _Worker:
             key=case.keys[name],
             parameters=dict(stage_parameters(stage, values)),
             inputs={other: case.keys[other] for other in stage.fed(values)},
-            cost=time.perf_counter() - began,
+            cost=seconds,
             data="",
             software=software_versions(),
+            processor=processor,
+            neighbour=neighbour,
         )
         self._store.save(record, data, replace=was_damaged)
         return data
+
+
+def _now() -> tuple[float, float]:
+    """Return wall time and processor time of this process [s]."""
+    return time.perf_counter(), time.process_time()
+
+
+def _since(began: tuple[float, float]) -> tuple[float, float]:
+    """Return what passed of both [s]."""
+    seconds, processor = _now()
+    return seconds - began[0], processor - began[1]
 
 
 def _answer(

@@ -1,0 +1,164 @@
+"""What the report of a sweep tells of how it was computed, and of its sources."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from markupsafe import Markup
+
+from fibermelt.report.account import parameters
+from fibermelt.report.chapters import FLOW, listed_sources, listed_versions
+from fibermelt.report.sources import USES, Source, sources_of
+from fibermelt.report.tables import ERROR_DIGITS, Column, fixed, number, table
+from fibermelt.study.progress import duration
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.study.sweep.cost import Computed
+    from fibermelt.study.sweep.table import SweepTable
+
+__all__ = ["computed_told", "sources_told"]
+
+
+def computed_told(collected: xr.Dataset, found: SweepTable, computed: Computed) -> Markup:
+    """Return how the numbers were computed: from where flows started, errors, cost, versions.
+
+    Parameters
+    ----------
+    collected : xarray.Dataset
+        The collected sweep.
+    found : SweepTable
+        Its table.
+    computed : Computed
+        What the records of its folder tell.
+    """
+    versions = {name: ", ".join(several) for name, several in computed.software.items()}
+    return Markup().join(
+        [
+            _started(computed),
+            _errors(collected, found),
+            _cost(computed),
+            listed_versions("Software that computed", versions),
+        ]
+    )
+
+
+def _started(computed: Computed) -> Markup:
+    """Return how many flows, or other stages that can, started from a neighbour."""
+    words = []
+    for name, cost in computed.stages.items():
+        if cost.from_neighbour:
+            cold = cost.stored - cost.from_neighbour
+            words.append(
+                f"Of {cost.stored} results of the stage {name}, {cold} started from cold and "
+                f"{cost.from_neighbour} from that of a neighbouring case, to the same answer "
+                "within the stated error."
+            )
+    return Markup("<p>{}</p>\n").format(" ".join(words)) if words else Markup()
+
+
+def _errors(collected: xr.Dataset, found: SweepTable) -> Markup:
+    """Return the largest error that any flow states of itself, and in which case."""
+    rows = []
+    for words, name, factor, unit in FLOW:
+        if f"{name}_error" not in collected or name not in collected:
+            continue
+        errors = _over_cases(collected, f"{name}_error")
+        if not np.isfinite(errors).any():
+            continue
+        case = int(np.nanargmax(errors))
+        value = float(_over_cases(collected, name)[case])
+        rows.append(
+            (
+                words,
+                number(factor * float(errors[case]), ERROR_DIGITS),
+                number(factor * value),
+                unit or "–",
+                Markup("{}. {}").format(case + 1, found.point(case)),
+            )
+        )
+    columns = (
+        Column("Quantity", is_text=True),
+        Column("Largest error"),
+        Column("Value there"),
+        Column("Unit", is_text=True),
+        Column("Case", is_text=True),
+    )
+    return table("Largest stated errors of the flows", columns, rows) if rows else Markup()
+
+
+def _cost(computed: Computed) -> Markup:
+    """Return what stages and cases cost when they were computed."""
+    progress = computed.progress
+    rows = [
+        (name, str(cost.stored), _seconds(cost.processor), fixed(cost.seconds, 1))
+        for name, cost in computed.stages.items()
+    ]
+    processor, wall = progress.cases_processor_s, progress.cases_s
+    if progress.cases:
+        count = str(progress.cases)
+        rows.append(("all else, by case", count, _seconds(processor), fixed(wall, 1)))
+    if not rows:
+        return Markup()
+    kept = computed.stages.values()
+    processor += sum(cost.processor for cost in kept)
+    wall += sum(cost.seconds for cost in kept)
+    rows.append(("together", "", _seconds(processor), fixed(wall, 1)))
+    columns = (
+        Column("Stage", is_text=True),
+        Column("Computed"),
+        Column("Processor time", "s"),
+        Column("Wall time", "s"),
+    )
+    note = Markup(
+        "<p>What several cases share was computed once. Times are added up over all workers, when "
+        "each was computed; the last run into the folder took {}{}.</p>\n"
+    )
+    reused = progress.reused_stages
+    found = f" and found {reused} stage{'' if reused == 1 else 's'} there" if reused else ""
+    return note.format(duration(progress.wall_s), found) + table("Cost", columns, rows)
+
+
+def _seconds(value: float) -> str:
+    """Return a time [s]; a dash for what was computed before it was recorded."""
+    return fixed(value, 1) if value else "–"
+
+
+def sources_told(collected: xr.Dataset) -> Markup:
+    """Return the sources that any case makes use of: models and laws may be what varies."""
+    values = parameters(collected)
+    found: dict[str, tuple[Source, str]] = {}
+    for choice in _choices(collected, values):
+        for source, what in sources_of({**values, **choice}):
+            found.setdefault(source.key, (source, what))
+    order = [use.key for use in USES]
+    return listed_sources(sorted(found.values(), key=lambda one: order.index(one[0].key)))
+
+
+def _choices(collected: xr.Dataset, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the different values of all that varies and is no number, as they come together.
+
+    Of numbers it matters only that they are given: the first stands for all.
+    """
+    varied = [str(key) for key in collected.coords if key in values]
+    columns = [_over_cases(collected, key) for key in varied]
+    if not columns:
+        return [{}]
+    texts = [column.dtype.kind in "OUS" for column in columns]
+    rows = {
+        tuple(
+            column[case if is_text else 0].item() if not is_text else str(column[case])
+            for column, is_text in zip(columns, texts, strict=True)
+        )
+        for case in range(len(columns[0]))
+    }
+    return [dict(zip(varied, row, strict=True)) for row in sorted(rows, key=str)]
+
+
+def _over_cases(collected: xr.Dataset, name: str) -> Any:
+    """Return a variable that each case has one of, case by case, or what varies likewise."""
+    status = collected["status"]
+    return collected[name].broadcast_like(status).transpose(*status.dims).to_numpy().ravel()

@@ -1,0 +1,93 @@
+"""The page of a sweep in a browser: it fits, is read by eye and keyboard, and prints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from sizes import DESKTOP, every_width, rgb
+from swept_cases import COMPUTED, GRID, NUMBERS, made_up, with_errors
+
+from fibermelt.report.sweep.page import render_sweep
+
+
+def holds(point: dict[str, float]) -> float:
+    """Return a value with which the claim "parabola" holds, for gaps up to 3 mm only."""
+    return 0.0 if point["flow.gap"] < 3.1e-3 else 1e9
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    folder = tmp_path_factory.mktemp("page")
+    collected = made_up(folder, GRID, NUMBERS, failed={5}, verdicts={"parabola": holds})
+    path: Path = folder / "report.html"
+    path.write_bytes(render_sweep(with_errors(collected), COMPUTED))
+    return path.as_uri()
+
+
+@every_width
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
+    page = opened(size, color_scheme=scheme)
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    assert page.locator("figure img").count() > 1
+    assert page.evaluate(
+        "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
+    )
+    ink, paper = (
+        page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("color", "background")
+    )
+    assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
+
+
+@every_width
+def test_what_varied_is_on_the_first_screen(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    box = page.locator("#run > p").first.bounding_box()
+    assert box["y"] + box["height"] < size[1]
+
+
+@every_width
+def test_every_section_is_in_the_contents(opened: Any, size: tuple[int, int]) -> None:
+    page = opened(size)
+    listed = page.locator("nav.contents > ul > li > a")
+    targets = [listed.nth(k).get_attribute("href") for k in range(listed.count())]
+    sections = page.evaluate("[...document.querySelectorAll('main section')].map(one => one.id)")
+    assert targets == [f"#{name}" for name in sections]
+    assert {"computed", "sources"} <= set(sections)
+    page.locator("nav.contents a[href='#computed']").click()
+    assert page.locator("#computed h2").is_visible()
+    assert page.evaluate("location.hash") == "#computed"
+
+
+@every_width
+def test_words_of_the_sections_are_not_cut(opened: Any, size: tuple[int, int]) -> None:
+    """A table that is too wide scrolls within itself; what stands in one is never wider than it."""
+    page = opened(size)
+    for name in ("computed", "sources"):
+        box = page.locator(f"#{name}").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= size[0]
+    assert "2 started from cold and 4 from" in page.inner_text("#computed")
+    assert "6.2.1, 6.2.2" in page.inner_text("#computed")
+
+
+def test_tables_that_scroll_can_be_reached_by_keyboard(opened: Any) -> None:
+    page = opened(DESKTOP)
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+    regions = page.locator("main .scroll")
+    assert regions.count() > 3
+    for k in range(regions.count()):
+        assert regions.nth(k).get_attribute("tabindex") == "0"
+        assert regions.nth(k).get_attribute("aria-label")
+
+
+def test_it_prints(opened: Any) -> None:
+    page = opened(DESKTOP)
+    assert page.pdf()[:5] == b"%PDF-"
+    page.emulate_media(media="print")
+    assert not page.locator("nav").is_visible()
+    assert page.locator("#sources li").first.is_visible()

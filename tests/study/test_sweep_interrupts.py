@@ -1,0 +1,141 @@
+"""Sweeps that a person ends: Ctrl-C, a signal to end, a terminal that is closed.
+
+Whatever ends the client, no worker is left; of Ctrl-C the terminal shows one line of ours.
+"""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import fake_sweeps
+import pytest
+
+from fibermelt.study.sweep.pools import open_pool
+
+PATIENCE = 60.0
+"""Time [s] for processes to come up, or to go, on a busy machine."""
+
+COMMAND = """import fake_sweeps, fibermelt.study.chain
+fibermelt.study.chain.CHAIN = fake_sweeps.CHAIN
+from fibermelt.cli import main
+main()
+"""
+"""The command line with the chain that costs what it is told to."""
+
+TAKES = {"FAKE_FLOW_TAKES": "0.05", "FAKE_MOTION_TAKES": "0.5"}
+"""Cost [s] of the stages: 72 cases take 18 s on two workers, longer than any test here needs."""
+
+SHELL_INTERRUPTED, SHELL_ENDED = 130, 143
+
+
+@contextmanager
+def sweeping(tmp_path, **options):
+    """Run ``fibermelt sweep`` on two workers in a process group of its own, as a shell does."""
+    here = str(Path(fake_sweeps.__file__).parent)
+    path = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
+    study = fake_sweeps.study_file(tmp_path)
+    arguments = ["sweep", study, "--out", tmp_path / "out", "--workers", "2"]
+    running = subprocess.Popen(
+        [sys.executable, "-c", COMMAND, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": path, "FAKE_LOG": str(tmp_path / "log"), **TAKES},
+        text=True,
+        **{"start_new_session": True, **options},
+    )
+    try:
+        yield running
+    finally:
+        running.kill()
+        running.communicate(timeout=PATIENCE)
+
+
+def workers(tmp_path):
+    """Return the processes that computed something so far."""
+    log = tmp_path / "log"
+    lines = log.read_text().splitlines() if log.exists() else []
+    return {int(line.split()[0]) for line in lines}
+
+
+def is_alive(pid):
+    try:
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except FileNotFoundError:
+        return False
+
+
+def wait_for(condition, what, running=None):
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        if running is not None and running.poll() is not None:
+            pytest.fail(f"ended before {what}: {running.communicate()}")
+        assert time.monotonic() < deadline, f"no {what} in {PATIENCE} s"
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("times", [1, 3])
+def test_control_c_is_answered_by_one_line(tmp_path, times):
+    """A terminal sends SIGINT to client and workers alike, also to one that replaced another."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with sweeping(tmp_path, **pipes) as running:
+        wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
+        os.kill(min(workers(tmp_path)), signal.SIGKILL)
+        wait_for(lambda: len(workers(tmp_path)) == 3, "a worker in place of it", running)
+        for _ in range(times):
+            os.killpg(running.pid, signal.SIGINT)
+            # As fast as a hand is; what comes later finds the client gone.
+            time.sleep(0.1)
+        told, complaints = running.communicate(timeout=PATIENCE)
+    assert (running.returncode, told) == (SHELL_INTERRUPTED, "")
+    *progress, last = complaints.splitlines()
+    assert [line for line in progress if not line.startswith("sweep: ")] == []
+    out = tmp_path / "out"
+    assert last == f"interrupted: finished cases are kept, fibermelt resume {out} goes on"
+    assert not any(map(is_alive, workers(tmp_path)))
+
+
+def test_a_signal_to_end_leaves_nothing_behind(tmp_path, monkeypatch):
+    """Neither workers nor what they wrote beside the results."""
+    (tmp_path / "scratch").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "scratch"))
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with sweeping(tmp_path, **pipes) as running:
+        wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
+        running.terminate()
+        _, complaints = running.communicate(timeout=PATIENCE)
+    assert running.returncode == SHELL_ENDED
+    assert complaints.splitlines()[-1].startswith("interrupted: finished cases are kept")
+    assert not any(map(is_alive, workers(tmp_path)))
+    assert list((tmp_path / "scratch").glob("fibermelt-*")) == []
+
+
+@pytest.mark.skipif(not hasattr(os, "login_tty"), reason="needs pseudo-terminals")
+def test_workers_go_with_their_terminal(tmp_path):
+    """A terminal that is closed ends who it is the terminal of."""
+    terminal, ours = os.openpty()
+    try:
+        inside = {"start_new_session": False, "preexec_fn": lambda: os.login_tty(ours)}
+        with sweeping(tmp_path, **inside) as running:
+            os.close(ours)
+            wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
+            os.close(terminal)
+            terminal = -1
+            running.wait(PATIENCE)
+    finally:
+        if terminal >= 0:
+            os.close(terminal)
+    wait_for(lambda: not any(map(is_alive, workers(tmp_path))), "end of the workers")
+
+
+def test_a_second_sweep_does_not_complain_of_the_first(tmp_path):
+    """The first has dask's usual port: that is a warning of dask's, and so an error here."""
+    with socket.socket() as first:
+        # Where somebody has it already, so much the better.
+        with suppress(OSError):
+            first.bind(("127.0.0.1", 8787))
+            first.listen()
+        with open_pool(1, None, tmp_path) as pool:
+            assert pool.threads() == 1
