@@ -36,14 +36,14 @@ MISTAKE = 2
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
 
-ENDED = 143
-"""Exit code after a signal to end (128 + SIGTERM)."""
-
 SHIPPED = (
     "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content, "
     "population"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
+
+ENDED = 143
+"""Exit code after a signal to end (128 + SIGTERM)."""
 
 StudyArgument = Annotated[
     str,
@@ -75,9 +75,7 @@ OverOption = Annotated[
 OutOption = Annotated[
     str | None,
     typer.Option(
-        "--out",
-        metavar="DIR",
-        help="Results folder, made if need be; results/NAME by default, NAME of the study.",
+        "--out", metavar="DIR", help="Results folder; results/NAME by default, NAME of the study."
     ),
 ]
 WorkersOption = Annotated[
@@ -85,7 +83,7 @@ WorkersOption = Annotated[
     typer.Option(
         "--workers",
         metavar="N",
-        help="Processes on this machine, as many as it has cores by default; 0: this one only.",
+        help="Processes on this machine; as many as it has cores by default, 0 for this one only.",
     ),
 ]
 ColdOption = Annotated[

@@ -45,8 +45,7 @@ def plan(
 ) -> None:
     """Show the cases of a sweep, and run none.
 
-    Tells which stages they share, what of it is done in the results folder, and what the rest will
-    cost.
+    Tells what they share, what is done in the results folder, and what the rest will cost.
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it

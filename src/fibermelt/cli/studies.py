@@ -108,9 +108,10 @@ def validate(
     over: OverOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Check a study, of a sweep every case, without running it.
+    """Check a study without running it.
 
-    Every fault is told on a line of its own. With --json: all parameters as resolved, in SI.
+    Every fault is told on a line of its own; of a sweep every case is looked at. With --json: all
+    parameters as resolved, in SI.
     """
     with told():
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run

@@ -242,7 +242,7 @@ def clean(
 ) -> None:
     """Tell what a results folder no longer needs.
 
-    That is what no case of its sweep and no run on show in it needs. With --yes, remove it.
+    That is what no run on show in it and no case of its sweep needs. With --yes, remove it.
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
