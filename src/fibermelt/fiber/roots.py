@@ -99,6 +99,6 @@ def _step(
         parabola = f1 / (f2 - f1) * (f3 / (f2 - f3))
         parabola += (x3 - x1) / (x2 - x1) * (f1 / (f3 - f1)) * (f2 / (f3 - f2))
         smooth = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(parabola)
-        # a parabola would stay at an end that is zero, where it may be so for a while
+        # a parabola would creep along an end that is zero, where it may be so for a while
         smooth &= (f1 != 0.0) & (f2 != 0.0)
     return np.where(smooth, parabola, 0.5), smooth

@@ -33,6 +33,9 @@ FIRST_STEP = 3e-3
 GROWTH = 4.0
 """Factor of the steps that follow."""
 
+FEW_POINTS = 1 << 12
+"""Points up to which a first search costs more than it saves."""
+
 FIRST_TOLERANCE = 1e-3
 """Bracket of the first search over the highest level: it only has to be close."""
 
@@ -114,6 +117,9 @@ def extreme_quantiles(sets: LevelSets, points: TurningPoints, asked: Problems) -
     if sets.valleys == 0:
         return high
     everyone = np.arange(low.size)
+    if amplitude.size <= FEW_POINTS:
+        whole = _Uncovered(sets, points, asked)
+        return whole.root(low, high, (whole(low, everyone), 1.0 - asked.share), LEVEL_TOLERANCE)
     coarse = np.zeros(amplitude.shape, dtype=np.bool_)
     coarse[::STRIDE] = True
     few = _Uncovered(sets, points, asked.part(coarse))
