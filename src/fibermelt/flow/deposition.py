@@ -192,7 +192,7 @@ def _finely(
     middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
     units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
-    coarser = field_of(middle, *units)
+    coarser = field_of(middle, *units, stream=False)
     flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)
 
