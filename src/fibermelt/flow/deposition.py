@@ -30,8 +30,8 @@ MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
 
 ROUGH_TOLERANCE = 1e-5
-"""Last step on the middle mesh [widths] that a warm start asks for: a chord step leaves a fifth
-of it, and the error that the mesh is there to estimate is 1e-4."""
+"""Last step on the middle mesh [widths] that a warm start asks for: chord steps leave a
+quarter of it, and the error that the mesh is there to estimate is 1e-4."""
 
 LARGEST_ERROR = 0.02
 """Estimated error of the contact point [widths] above which there is no answer to speak of."""
