@@ -1,12 +1,13 @@
 """The deposition flow from cold, and the die swell against its peer.
 
-Where the processor time of the default flow goes (33,700 unknowns, 2.8 s in all on one thread): 0.5 s
-finds the surfaces on coarse meshes, 0.8 s solves the middle mesh for the error estimate, 1.2 s the fine
-one (3 Newton steps of 0.3 s: factorisation two thirds, assembly a quarter), 0.2 s recovers gradient
-and stream function, 0.2 s makes meshes. Displacement at full order on the surfaces alone took the
-unknowns from twice those of Stokes to 1.1 times; quadrature of high order on curved elements alone,
-terms apart and compiled took assembly from two thirds of a step to a quarter; unknowns inside
-elements, eliminated first, a third off the factorisation.
+Where the processor time of the default flow goes (33,700 unknowns, one thread of a busy machine,
+3.3 s in all): 0.5 s finds the surfaces on coarse meshes, 0.8 s solves the middle mesh for the
+error estimate, 1.7 s the fine one (3 Newton steps: factorisation two thirds, assembly a quarter),
+0.2 s recovers gradient, stream function and their error, 0.1 s makes the two meshes. Displacement
+at full order on the surfaces alone took the unknowns from twice those of Stokes to 1.1 times;
+quadrature of high order on curved elements alone, terms apart and compiled took assembly from two
+thirds of a step to a quarter; unknowns inside elements, eliminated first, a third off the
+factorisation.
 """
 
 from __future__ import annotations
