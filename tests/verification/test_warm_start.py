@@ -12,7 +12,7 @@ from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.deposition import LARGEST_ERROR, FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.rescale import rescaled
-from fibermelt.flow.search import SurfaceSearch
+from fibermelt.flow.search import SurfaceSearch, _chords_end
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.rheology import Newtonian
 from fibermelt.study.bead.flow import start_from
@@ -75,6 +75,47 @@ def test_a_start_that_leads_nowhere_gives_the_answer_from_cold(coarse_flow: Flow
     flow = solve_deposition(_problem(), COARSE, lines.append, start)
     assert [line for line in lines if "from cold" in line]
     np.testing.assert_array_equal(flow.upstream_surface, coarse_flow.upstream_surface)
+
+
+@pytest.mark.parametrize("change", NEIGHBOURS, ids=str)
+def test_the_guess_is_most_of_the_way(coarse_flow: FlowSolution, change: dict[str, float]) -> None:
+    """The upstream surface at equal parts of the gap [widths], and the bead over its length."""
+    problem = _problem(**change)
+    solved, width = solve_deposition(problem, COARSE), problem.nozzle.capillary_width
+    guess = surfaces_from(_shape(coarse_flow), problem)
+    part, along = np.linspace(0.02, 0.98, 25), np.linspace(0.6, 6.0, 25)
+
+    def lines(upstream: np.ndarray, downstream: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        height = upstream[:, 1] / upstream[0, 1]
+        return np.interp(-part, -height, upstream[:, 0]), np.interp(along, *downstream.T)
+
+    there = lines(solved.upstream_surface / width, solved.downstream_surface / width)
+    here = lines(coarse_flow.upstream_surface / width, coarse_flow.downstream_surface / width)
+    guessed = lines(guess.upstream, guess.downstream)
+    for k in range(2):
+        # a third of the largest move is left at most: the fits are good to a tenth of theirs
+        assert np.abs(guessed[k] - there[k]).max() < np.abs(here[k] - there[k]).max() / 3
+
+
+def test_chord_steps_leave_less_than_the_tolerance(coarse_flow: FlowSolution) -> None:
+    """Newton's next step is what they have left; the search takes it to be a quarter at most."""
+    problem = _problem(bed_speed=0.122)
+    search = SurfaceSearch(problem)
+    guess = surfaces_from(_shape(coarse_flow), problem)
+    flow, _ = search.converge(guess, COARSE, chords=True)
+    assert flow.step().size < COARSE.tolerance
+
+
+@pytest.mark.parametrize("rate", [0.02, 0.3, 0.9])
+def test_chord_steps_end_by_what_is_to_come(rate: float) -> None:
+    steps = 1e-7 * rate ** np.arange(400)
+    ends = [_chords_end(size, rate, 1e-7) for size in steps]
+    first = ends.index(True)
+    assert all(ends[first:])
+    # the sum of all later steps, a quarter of the tolerance at most
+    assert steps[first + 1 :].sum() < 0.25e-7
+    assert first == 0 or steps[first:].sum() > 0.25e-7
+    assert not _chords_end(1e-20, 1.0, 1e-7)
 
 
 @pytest.mark.parametrize("outlet", [14e-3, 26e-3])

@@ -30,8 +30,8 @@ MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
 
 ROUGH_TOLERANCE = 1e-5
-"""Last step on the middle mesh [widths] that a warm start asks for: a chord step leaves a fifth
-of it, and the error that the mesh is there to estimate is 1e-4."""
+"""Last step on the middle mesh [widths] that a warm start asks for: chord steps leave a
+quarter of it, and the error that the mesh is there to estimate is 1e-4."""
 
 LARGEST_ERROR = 0.02
 """Estimated error of the contact point [widths] above which there is no answer to speak of."""
@@ -192,7 +192,7 @@ def _finely(
     middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
     units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
-    coarser = field_of(middle, *units)
+    coarser = field_of(middle, *units, stream=False)
     flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)
 

@@ -131,6 +131,7 @@ def jacobian_form(
     The moving mesh deforms as an elastic solid of modulus ``1/h``; ``lam`` is the normal force
     that makes its surface go where the kinematics wants it. With a ``rate`` above zero the step is
     one of implicit time, ``d.n rate = u.n``, the surface moving with the melt; at zero, Newton's.
+    Terms that share no pair of unknowns stand apart: a sum is evaluated whole for every pair.
     """
     u, _, d, lam = unknowns.trial
     v, q, e, m = unknowns.test
@@ -152,7 +153,8 @@ def jacobian_form(
     on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
     return [
         *stokes_form(unknowns, elements),
-        *elements.over(shape + solid, moving=True),
+        *elements.over(shape, moving=True),
+        *elements.over(solid, moving=True),
         _upwind(m, unknowns.velocity)
         * (normal * u.Trace() + turned - rate * (normal * d.Trace()))
         * on_surface,

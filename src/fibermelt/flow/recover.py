@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.lagrange import LagrangeTriangle
+from fibermelt.flow.linear import CondensedForm
 
 __all__ = ["field_of", "with_error"]
 
@@ -21,40 +22,41 @@ Array = NDArray[np.float64]
 PIN = 1e-10
 """Mass added to the stream function's matrix: its constant is free until set on the bed."""
 
+EXTRA_QUADRATURE = 2
+"""Added order of quadrature, for elements with a curved edge."""
 
-def _project(mesh: ng.Mesh, space: ng.FESpace, functions: list[Any]) -> list[ng.GridFunction]:
-    """Return the L2 projections of ``functions`` on ``space``, one factorisation for all."""
+
+def _fits(space: Any, matrix: Any, loads: list[Any]) -> list[ng.GridFunction]:
+    """Return what fits each of ``loads`` best in the sense of ``matrix``, by one factorisation."""
+    measure = ng.dx(bonus_intorder=EXTRA_QUADRATURE)
+    form = CondensedForm(space, [matrix * measure], "sparsecholesky", symmetric=True)
+    form.factorise()
+    fits = []
+    for load in loads:
+        right = ng.LinearForm(space)
+        right += load * measure
+        with ng.TaskManager():
+            right.Assemble()
+        fit = ng.GridFunction(space)
+        fit.vec.data = form.solve(right.vec)[0]
+        fits.append(fit)
+    return fits
+
+
+def _projections(mesh: ng.Mesh, order: int, functions: list[Any]) -> list[ng.GridFunction]:
+    """Return the L2 projections of ``functions`` on continuous ones of degree ``order``."""
+    space = ng.H1(mesh, order=order)
     trial, test = space.TnT()
-    mass = ng.BilinearForm(space, symmetric=True)
-    mass += trial * test * ng.dx(bonus_intorder=2)
-    mass.Assemble()
-    inverse = mass.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky")
-    projections = []
-    for function in functions:
-        load = ng.LinearForm(space)
-        load += function * test * ng.dx(bonus_intorder=2)
-        load.Assemble()
-        projection = ng.GridFunction(space)
-        projection.vec.data = inverse * load.vec
-        projections.append(projection)
-    return projections
+    return _fits(space, trial * test, [function * test for function in functions])
 
 
 def _stream_function(flow: FreeSurfaceFlow) -> ng.GridFunction:
     """Return ``psi`` of degree one above the velocity's, the best fit of ``rot psi`` to ``u``."""
     space = ng.H1(flow.mesh, order=flow.order + 1)
     psi, test = space.TnT()
-    matrix = ng.BilinearForm(space, symmetric=True)
-    matrix += (ng.grad(psi) * ng.grad(test) + PIN * psi * test) * ng.dx(bonus_intorder=2)
-    u = flow.velocity
-    load = ng.LinearForm(space)
-    load += (u[0] * ng.grad(test)[1] - u[1] * ng.grad(test)[0]) * ng.dx(bonus_intorder=2)
-    matrix.Assemble()
-    load.Assemble()
-    result = ng.GridFunction(space)
-    inverse = matrix.mat.Inverse(space.FreeDofs(), inverse="sparsecholesky")
-    result.vec.data = inverse * load.vec
-    return result
+    u, slope = flow.velocity, ng.grad(test)
+    matrix = ng.grad(psi) * slope + PIN * psi * test
+    return _fits(space, matrix, [u[0] * slope[1] - u[1] * slope[0]])[0]
 
 
 def _numbering(vertices: NDArray[np.int64], order: int) -> tuple[NDArray[np.int64], int]:
@@ -76,7 +78,9 @@ def _numbering(vertices: NDArray[np.int64], order: int) -> tuple[NDArray[np.int6
     return np.hstack([vertices, on_edges, inside]), first_inside + n_cells * n_inside
 
 
-def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: float) -> FlowField:
+def field_of(
+    flow: FreeSurfaceFlow, length: float, speed: float, viscosity: float, *, stream: bool = True
+) -> FlowField:
     """Return the flow as a `FlowField` in SI units.
 
     Parameters
@@ -85,6 +89,8 @@ def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: floa
         A solved flow, in units of ``length`` [m], ``speed`` [m/s] and ``viscosity`` [Pa s].
     length, speed, viscosity : float
         Those units.
+    stream : bool
+        With the stream function, a third of the work; it is zero without.
 
     Notes
     -----
@@ -96,11 +102,10 @@ def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: floa
     component.
     """
     mesh, order = flow.mesh, flow.order + 1
-    with ng.TaskManager():
-        slope = ng.Grad(flow.velocity)
-        space = ng.H1(mesh, order=flow.order)
-        gradient = _project(mesh, space, [slope[0, 0] - slope[1, 1], slope[0, 1], slope[1, 0]])
-        psi = _stream_function(flow)
+    slope = ng.Grad(flow.velocity)
+    parts = [slope[0, 0] - slope[1, 1], slope[0, 1], slope[1, 0]]
+    gradient = _projections(mesh, flow.order, parts)
+    psi = _stream_function(flow) if stream else ng.CF(0.0)
     # the solver's reference triangle has its corners at (1,0), (0,1), (0,0)
     nodes = LagrangeTriangle(order).nodes
     reference = np.column_stack([1 - nodes.sum(axis=1), nodes[:, 0]])
@@ -118,7 +123,7 @@ def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: floa
     half, xy, yx = values[:, 5] / 2, values[:, 6], values[:, 7]
     L = np.stack([np.stack([half, xy], axis=-1), np.stack([yx, -half], axis=-1)], axis=1)
     bed = np.argmin(np.abs(values[:, 1]) + 1e-3 * np.abs(values[:, 0]))
-    stream = values[:, 8] - values[bed, 8]
+    from_bed = values[:, 8] - values[bed, 8]
     return FlowField(
         order=order,
         points=values[:, :2] * length,
@@ -126,7 +131,7 @@ def field_of(flow: FreeSurfaceFlow, length: float, speed: float, viscosity: floa
         velocity=values[:, 2:4] * speed,
         pressure=values[:, 4] * (viscosity * speed / length),
         gradient=L * (speed / length),
-        stream_function=stream * (speed * length),
+        stream_function=from_bed * (speed * length),
         gradient_error=np.zeros(len(values)),
     )
 

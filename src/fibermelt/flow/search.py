@@ -60,9 +60,16 @@ SETTLED = 1e-3
 MAX_STEPS = 12
 """A fine mesh needs 4 or 5 steps; more than twice that is a failure."""
 
-CHORD_SHRINKAGE = 0.2
-"""A step's matrix and factors serve for the next if it was less than this part of the one before
-(the first: of a width): new ones cost as much as eight steps with the old."""
+CHORDS_FOR_ONE = 6
+"""A step's matrix and factors serve on while this many chord steps at the rate last seen reach the
+tolerance: new ones cost as much as six to eight."""
+
+CHORD_LEFT = 0.25
+"""What may be left undone after a chord step, in tolerances, by the rate of the last two steps."""
+
+FASTEST_CHORDS = 0.1
+"""A chord step is not believed to leave less than this part of itself: the first gains two
+decimals or three, the next but one."""
 
 FIRST_RATE, LAST_RATE = 1.0, 0.2
 """Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
@@ -122,6 +129,12 @@ def _trimmed(upstream: Array) -> Array:
     crossing = above + (under - above) * (above[1] / (above[1] - under[1]))
     crossing[1] = 0.0
     return np.vstack([upstream[:first], crossing])
+
+
+def _chords_end(size: float, rate: float, tolerance: float) -> bool:
+    """Return whether all chord steps to come together are a small part of the tolerance."""
+    rate = max(rate, FASTEST_CHORDS)
+    return rate < 1.0 and size * rate / (1.0 - rate) < CHORD_LEFT * tolerance
 
 
 class SurfaceSearch:
@@ -208,20 +221,21 @@ class SurfaceSearch:
     ) -> tuple[FreeSurfaceFlow, Surfaces]:
         """Return the flow on a fine mesh, converged to the tolerance, and its surfaces.
 
-        With ``chords`` a factorisation serves on while every step is a small part of the last;
+        With ``chords`` a factorisation serves on while that is cheaper than a new one;
         ``under_bed`` is how far below the bed [widths] the upstream surface may pass.
         """
         flow = self.start(surfaces, numerics)
-        reuse, last = False, 1.0
+        reuse, last, bound = False, 1.0, numerics.tolerance
         for taken in range(1, MAX_STEPS + 1):
             step = self.step(flow, reuse=reuse)
-            steps = f"{taken} steps"
-            if step.size < numerics.tolerance and step.fraction == 1.0:
+            steps, rate = f"{taken} steps", step.size / last
+            is_small = step.size < bound if not reuse else _chords_end(step.size, rate, bound)
+            if is_small and step.fraction == 1.0:
                 self._check_bed(flow, under_bed)
                 return flow, self.surfaces(flow)
             if step.fraction == 0.0:
                 break  # nothing was moved: the next step would be the same
-            reuse = chords and step.fraction == 1.0 and step.size < CHORD_SHRINKAGE * last
+            reuse = chords and step.fraction == 1.0 and step.size * rate**CHORDS_FOR_ONE < bound
             last = step.size
         x, y = self.surfaces(flow).upstream.T * self.problem.nozzle.capillary_width
         msg = (

@@ -15,8 +15,19 @@ __all__ = ["StartShape", "surfaces_from"]
 
 Array = NDArray[np.float64]
 
-CONTACT_SHIFT = 2.2
-"""How far the contact goes downstream per growth of gap over bead height [both in lengths]."""
+SHIFT_OF_GAP, SHIFT_OF_HEIGHT = 2.0, 2.3
+"""How far the contact goes downstream per growth of the gap, and upstream per growth of the bead,
+there times the ratio ``r`` of gap to bead height. Computed flows with ``r`` from 1 to 1.83: 1.9 to
+2.7, and 2.0 to 2.6; both half as much again at 0.87."""
+
+BULGE = (0.4, 2.8, 7.0, 1.5)
+"""At the height ``y`` the upstream surface moves by ``(1 - (y/gap)^n)^1.5`` of what its contact
+does, ``n = 0.4 + 2.8 r^-7``: a bulging surface as a whole, one drawn down at its foot, none at its
+lip. Fitted to flows with ``r`` from 0.95 to 1.8, to 0.1 of the largest move."""
+
+DOWNSTREAM_DECAY, DECAY_GROWTH = 1.2, 1.5
+"""The lip's move is felt downstream as ``exp(-1.2 r^1.5 x)``, ``x`` in widths from the lip; fitted
+likewise."""
 
 SHORTEST_FOOT = 0.1
 """A guess whose contact lies nearer than this to the outlet [widths] is no guess."""
@@ -82,9 +93,14 @@ class StartShape:
 def surfaces_from(start: StartShape, problem: Deposition) -> Surfaces:
     """Return the surfaces of ``start`` fitted to ``problem``, in capillary widths.
 
-    Heights of the upstream surface scale with the gap; its foot moves with the change of gap less
-    bead height. The downstream surface moves with the gap at the lip and with the bead at the
-    outlet, and is cut or lengthened to the new one.
+    Heights of the upstream surface scale with the gap; it moves along x with the change of gap
+    over bead height, its contact most. The downstream surface moves with the gap at the lip and
+    with the bead at the outlet, and is cut or lengthened to the new one.
+
+    Notes
+    -----
+    The shapes of both moves are fits to flows of this package. The answer does not depend on
+    them, the number of steps does.
     """
     nozzle, unit = problem.nozzle, problem.nozzle.capillary_width
     up, down = start.upstream / start.capillary_width, start.downstream / start.capillary_width
@@ -93,11 +109,17 @@ def surfaces_from(start: StartShape, problem: Deposition) -> Surfaces:
     outlet = nozzle.outlet / unit
 
     x, y = up.T
-    foot = CONTACT_SHIFT * ((gap - height) - (old_gap - old_height))
+    ratio = 0.5 * (gap / height + old_gap / old_height)
+    foot = SHIFT_OF_GAP * (gap - old_gap) - SHIFT_OF_HEIGHT * ratio * (height - old_height)
     foot = min(foot, outlet - SHORTEST_FOOT - x[-1])
-    upstream = np.column_stack([x + foot * (1 - y / old_gap), y * (gap / old_gap)])
+    least, more, fall, rounding = BULGE
+    power = least + more * ratio**-fall
+    share = (1 - np.clip(y / old_gap, 0.0, 1.0) ** power) ** rounding
+    upstream = np.column_stack([x + foot * share, y * (gap / old_gap)])
     x, y = down.T
-    decay = np.exp(-2 * (x - 0.5) / height)
+    rate = DOWNSTREAM_DECAY * ratio**DECAY_GROWTH
+    end = np.exp(-rate * (outlet - 0.5))
+    decay = (np.maximum(np.exp(-rate * (x - 0.5)), end) - end) / (1 - end)
     y = y + (height - old_height) + ((gap - old_gap) - (height - old_height)) * decay
     if outlet > x[-1]:
         x, y = np.r_[x, outlet], np.r_[y, height]

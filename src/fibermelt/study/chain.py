@@ -106,7 +106,7 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            2,
+            3,
             ("flow", "melt", *FLOW_NUMERICS),
             (),
             flow_stage,
