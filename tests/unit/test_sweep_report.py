@@ -16,6 +16,7 @@ from swept_cases import (
     with_errors,
 )
 
+from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.study.claims.judge import claims
 from fibermelt.study.sweep.claims import swept_claims
@@ -222,3 +223,28 @@ def test_sources_are_those_of_any_case(tmp_path, table, there):
 def test_every_design_has_sources(tmp_path, design):
     _, words = read(render_sweep(made_up(tmp_path, design, NUMBERS), COMPUTED))
     assert "Array programming with NumPy" in words
+
+
+@pytest.mark.parametrize(
+    ("table", "keys"),
+    [
+        (sampled("saltelli", 16), ["hyndman1996", "sobol2001", "saltelli2010", "herman2017"]),
+        (
+            sampled("latin-hypercube", 8),
+            ["hyndman1996", "sobol2001", "plischke2010", "tissot2012", "herman2017"],
+        ),
+        (
+            '"fiber.aspect_ratio" = { scale = 6, shape = 2, between = [1, 30] }\n'
+            'design = "latin-hypercube"\nsamples = 8\n',
+            ["hyndman1996", "fu1996"],
+        ),
+        (GRID, []),
+    ],
+)
+def test_samples_bring_the_sources_of_what_is_made_of_them(tmp_path, table, keys):
+    collected = made_up(tmp_path, table, {})
+    found = sources_told(collected, sweep_table(collected))
+    listed = re.findall(r'<li id="source-(\w+)">', found)
+    own = ("hyndman1996", *(key for uses in INDEX_USES.values() for key, _ in uses), "fu1996")
+    assert [key for key in listed if key in own] == keys
+    assert listed[0] == "awenlimobor2024"

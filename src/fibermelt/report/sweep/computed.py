@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.chapters import FLOW, listed_sources, listed_versions
-from fibermelt.report.sources import USES, Source, sources_of
+from fibermelt.report.sources import USES, Source, read_sources, sources_of
 from fibermelt.report.tables import ERROR_DIGITS, Column, fixed, number, table
 from fibermelt.study.progress import duration
 
@@ -21,6 +22,21 @@ if TYPE_CHECKING:
     from fibermelt.study.sweep.table import SweepTable
 
 __all__ = ["computed_told", "sources_told"]
+
+INDEX_USES = {
+    "saltelli": [
+        ("sobol2001", "indices of what a variance is due to"),
+        ("saltelli2010", "the design, and the estimators of first and total indices"),
+        ("herman2017", "computing them"),
+    ],
+    "given samples": [
+        ("sobol2001", "indices of what a variance is due to"),
+        ("plischke2010", "first indices from given samples"),
+        ("tissot2012", "the correction of their bias"),
+        ("herman2017", "computing them"),
+    ],
+}
+"""Sources of the indices by the kind of design, with what comes from each."""
 
 
 def computed_told(collected: xr.Dataset, found: SweepTable, computed: Computed) -> Markup:
@@ -127,15 +143,38 @@ def _seconds(value: float) -> str:
     return fixed(value, 1) if value else "–"
 
 
-def sources_told(collected: xr.Dataset) -> Markup:
-    """Return the sources that any case makes use of: models and laws may be what varies."""
+def sources_told(collected: xr.Dataset, found: SweepTable) -> Markup:
+    """Return the sources that any case makes use of, and those of the design.
+
+    Parameters
+    ----------
+    collected : xarray.Dataset
+        The collected sweep; models and laws may be what varies.
+    found : SweepTable
+        Its table.
+    """
     values = parameters(collected)
-    found: dict[str, tuple[Source, str]] = {}
+    every: dict[str, tuple[Source, str]] = {}
     for choice in _choices(collected, values):
         for source, what in sources_of({**values, **choice}):
-            found.setdefault(source.key, (source, what))
+            every.setdefault(source.key, (source, what))
     order = [use.key for use in USES]
-    return listed_sources(sorted(found.values(), key=lambda one: order.index(one[0].key)))
+    used = sorted(every.values(), key=lambda one: order.index(one[0].key))
+    return listed_sources([*used, *_design_sources(collected, found)])
+
+
+def _design_sources(collected: xr.Dataset, found: SweepTable) -> list[tuple[Source, str]]:
+    """Return the sources of a sampled design: of its quantiles, indices and distributions."""
+    if not found.is_sampled:
+        return []
+    uses = [("hyndman1996", "quantiles of samples (its fifth rule, Hazen's)")]
+    if len(found.axes) > 1:
+        uses += INDEX_USES["saltelli" if found.design == "saltelli" else "given samples"]
+    entries = json.loads(collected.attrs["sweep"]).values()
+    if any(isinstance(entry, dict) and "shape" in entry for entry in entries):
+        uses.append(("fu1996", "the Weibull distribution of fiber lengths"))
+    every = read_sources()
+    return [(every[key], what) for key, what in uses]
 
 
 def _choices(collected: xr.Dataset, values: Mapping[str, Any]) -> list[dict[str, Any]]:

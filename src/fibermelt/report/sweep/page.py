@@ -65,7 +65,7 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
         ("claims-matrix", "The paper's claims over the sweep", claims_matrix(collected, table)),
         ("responses", "Responses", responses_told(table)),
         ("computed", "How it was computed", how),
-        ("sources", "Sources", sources_told(collected)),
+        ("sources", "Sources", sources_told(collected, table)),
     )
     page = _template().render(
         title=table.title,
