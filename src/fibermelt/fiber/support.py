@@ -100,19 +100,33 @@ class SupportFunction:
         turn = np.roll(s, -1) - s
         turn -= np.pi * np.round(turn / np.pi)
         drifted = 0.5 * step * (drift + np.roll(drift, -1))
-        self._corners = np.abs(turn - drifted) > JUMP_FRACTION * np.abs(turn) + STILL
-        self._has_corners = bool(np.any(self._corners))
         value = _height(point, phase)
         rise = np.roll(value, -1) - value
         slope, drift, bend = slope * step, drift * step, 0.5 * bend * step * step
         self._height = _branches(_quintic(value, rise, slope, bend), rise, slope, bend)
         self._where = _branches(_cubic(s, turn, drift), turn, drift, np.zeros_like(s))
+        self._corners = np.abs(turn - drifted) > JUMP_FRACTION * np.abs(turn) + STILL
+        self._corners[self._corners] = self._branches_are_nearer(np.flatnonzero(self._corners))
+        self._has_corners = bool(np.any(self._corners))
+
+    def _branches_are_nearer(self, index: Index) -> NDArray[np.bool_]:
+        """Tell where both ends' branches are nearer to ``h`` half-way than the smooth piece.
+
+        A maximum that only moves fast, as at the tip of a slender fiber, makes no corner.
+        """
+        half = np.full(index.size, 0.5)
+        exact = self.exact((index.astype(np.float64) + 0.5) * (2.0 * np.pi / self.knots))
+        height = self._height
+        smooth = np.abs(_polynomial(height.pieces[index], half) - exact)
+        ends = (_parabola(height.before[index], half), _parabola(height.after[index], half - 1.0))
+        return np.asarray(np.abs(np.maximum(*ends) - exact) < smooth)
 
     def _midpoint_error(self) -> float:
-        """Return the relative error half-way between knots, on a sample of the intervals."""
+        """Return the relative error half-way between knots: at corners, and on a sample."""
         stride = max(1, self.knots // (2 * FEWEST_KNOTS))
-        middle = np.arange(0, self.knots, stride, dtype=np.float64) + 0.5
-        phase = middle * (2.0 * np.pi / self.knots)
+        chosen = np.arange(0, self.knots, stride)
+        chosen = np.union1d(chosen, np.flatnonzero(self._corners))
+        phase = (chosen.astype(np.float64) + 0.5) * (2.0 * np.pi / self.knots)
         exact = self.exact(phase)
         return float(np.max(np.abs(self(phase) - exact)) / np.max(np.abs(exact)))
 
@@ -192,11 +206,7 @@ class SupportFunction:
 
     def _read(self, branches: _Branches, index: Index, f: Array) -> Array:
         """Return the pieces' values, or at a corner those of the branch that is higher."""
-        c = branches.pieces[index]
-        value: Array = np.array(c[..., -1])
-        for k in range(c.shape[-1] - 2, -1, -1):
-            value *= f
-            value += c[..., k]
+        value = _polynomial(branches.pieces[index], f)
         if self._has_corners:
             here = np.nonzero(self._corners[index])
             at, g = index[here], f[here]
@@ -232,6 +242,14 @@ class SupportFunction:
 
 def _height(point: Array, phase: Array) -> Array:
     value: Array = np.cos(phase) * point[..., 0] + np.sin(phase) * point[..., 1]
+    return value
+
+
+def _polynomial(coefficients: Array, f: Array) -> Array:
+    value: Array = np.array(coefficients[..., -1])
+    for k in range(coefficients.shape[-1] - 2, -1, -1):
+        value *= f
+        value += coefficients[..., k]
     return value
 
 
