@@ -151,11 +151,15 @@ class _Run:
         parameters, fed = stage_parameters(stage, values), stage.fed(values)
         start, busy = time.perf_counter(), time.process_time()
         self.observer.step(stage.name, "started")
-        dataset = stage.compute(
-            parameters,
-            {name: data[name] for name in fed},
-            lambda line: self.observer.step(stage.name, line),
-        )
+        from threadpoolctl import threadpool_limits  # noqa: PLC0415  lazy: a stored study needs none
+
+        # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
+        with threadpool_limits(limits=1, user_api="blas"):
+            dataset = stage.compute(
+                parameters,
+                {name: data[name] for name in fed},
+                lambda line: self.observer.step(stage.name, line),
+            )
         record = Record(
             stage=stage.name,
             version=stage.version,
