@@ -25,7 +25,14 @@ parts = ["interaction", "claims"]
 "interaction.volume_fraction" = [0.05, 0.084]
 """
 
-SHIPPED = {"window": 9, "viscosity-speed": 9, "aspect-content": 9, "nozzle": 11, "population": 64}
+SHIPPED = {
+    "window": 9,
+    "viscosity-speed": 9,
+    "aspect-content": 9,
+    "nozzle": 11,
+    "population": 64,
+    "uncertain": 128,
+}
 
 
 def fibermelt(*arguments):

@@ -38,7 +38,7 @@ INTERRUPTED = 130
 
 SHIPPED = (
     "paper, sensitivity, interaction; sweeps: nozzle, window, viscosity-speed, aspect-content, "
-    "population"
+    "population, uncertain"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
 
