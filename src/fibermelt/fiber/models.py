@@ -25,7 +25,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.jeffery import unbounded_ellipse
-from fibermelt.fiber.motion import deformation_along
+from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
 from fibermelt.fiber.paths import Path
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
@@ -81,6 +81,7 @@ class FiberModel:
         middle_time: float | Array,
         count: int = ISOTROPIC_COUNT,
         levels: tuple[float, ...] = QUANTILE_LEVELS,
+        tolerance: float = ANGLE_TOLERANCE,
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
@@ -89,8 +90,12 @@ class FiberModel:
         parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
         """
         if self.spheroid is None:
-            return isotropic_pressure(path, self.response, viscosity, middle_time, levels)
-        return _isotropic_spheroids(path, self.spheroid, viscosity, middle_time, count, levels)
+            return isotropic_pressure(
+                path, self.response, viscosity, middle_time, levels, tolerance
+            )
+        return _isotropic_spheroids(
+            path, self.spheroid, viscosity, middle_time, count, levels, tolerance
+        )
 
 
 def confined_model(response: FiberResponse) -> FiberModel:
@@ -129,11 +134,12 @@ def _isotropic_spheroids(
     middle_time: float | Array,
     count: int,
     levels: tuple[float, ...],
+    tolerance: float,
 ) -> IsotropicPressure:
     """Return quantiles over spheroids that start isotropic in space, path by path."""
     initial = equal_area_directions(count)
     scale = checked_viscosity(viscosity)
-    deformation, _ = deformation_along(path, spheroid.shape_factor)
+    deformation, _ = deformation_along(path, spheroid.shape_factor, tolerance)
     paths = itertools.count()
 
     def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:

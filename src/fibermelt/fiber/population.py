@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.extremes import before_middle
 from fibermelt.fiber.level_sets import LevelSets
-from fibermelt.fiber.motion import deformation_along
+from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
 from fibermelt.fiber.paths import Path, single_paths, strain_polar
 from fibermelt.fiber.pressure import checked_viscosity
 from fibermelt.fiber.propagator import Propagator
@@ -68,6 +68,7 @@ def isotropic_pressure(
     viscosity: float,
     middle_time: float | Array,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
+    tolerance: float = ANGLE_TOLERANCE,
 ) -> IsotropicPressure:
     """Return quantiles of pressures and extremes for an isotropic start in the plane.
 
@@ -86,6 +87,9 @@ def isotropic_pressure(
         Time at the middle of the capillary [s], as in `extremes`.
     levels : tuple of float
         Levels in [0, 1].
+    tolerance : float
+        Of the angles [rad], as in `follow`; with the one that the same path was followed with
+        nothing is integrated again.
 
     Raises
     ------
@@ -97,7 +101,7 @@ def isotropic_pressure(
     _refuse_levels(levels)
     size, double = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
-    deformation, _ = deformation_along(path, response.shape_factor)
+    deformation, _ = deformation_along(path, response.shape_factor, tolerance)
     lead, n = path.time.shape[:-1], path.time.shape[-1]
     before = before_middle(path, middle_time).reshape(-1, n)
     amplitude, double = amplitude.reshape(-1, n), double.reshape(-1, n)

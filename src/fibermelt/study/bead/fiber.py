@@ -211,7 +211,9 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     bounds = pressure_bounds(path, model.response, viscosity)
     if model.spheroid is not None:
         say(f"{count} directions of an isotropic start")
-    isotropic = model.isotropic_pressure(path, viscosity, middle, count, QUANTILE_LEVELS)
+    isotropic = model.isotropic_pressure(
+        path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
+    )
     return labelled(
         {
             **followed,
