@@ -12,7 +12,7 @@ from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.runner import run_sweep
-from fibermelt.study.sweep.tasks import single_threaded
+from fibermelt.study.sweep.worker import single_threaded
 
 STUDY = "mine.toml"
 RESULTS = Path("/shared/mine")

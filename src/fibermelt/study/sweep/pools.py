@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.sweep.tasks import Outcome, Task, forget, fulfil, single_threaded
+from fibermelt.study.sweep.tasks import Outcome, Task
+from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
 __all__ = ["Died", "Pool", "cores", "open_pool"]
 
