@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +19,7 @@ from fibermelt.study.parameters import flatten
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
 from fibermelt.study.schema import REPORT, SCHEMA
-from fibermelt.study.stages import Stage, keys, stage_parameters
+from fibermelt.study.stages import Neighbour, Parameters, Say, Stage, keys, stage_parameters
 from fibermelt.study.store import Record, Store, stage_name
 from fibermelt.study.toml import resolved_toml
 
@@ -123,7 +124,8 @@ class _Run:
                 data[stage.name] = store.load(record)
                 self.observer.done(stage.name, f"reused (took {record.cost:.1f} s when computed)")
             else:
-                record, data[stage.name] = self._compute(stage, stage_keys, data)
+                like = None if fresh else self._like(store, stage, stage_keys)
+                record, data[stage.name] = self._compute(stage, stage_keys, data, like)
                 # What is damaged is not in what was found: it makes room, as all does afresh.
                 record = store.save(record, data[stage.name], replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
@@ -144,8 +146,31 @@ class _Run:
                 self.observer.done("store", told)
         return found
 
+    def _like(self, store: Store, stage: Stage, stage_keys: Mapping[str, str]) -> Neighbour | None:
+        """Return a stored result of a stage that differs from the one asked for by a scale only.
+
+        One that itself began with another's is none: it differs within its error.
+        """
+        if stage.compute_from is None:
+            return None
+        values = flatten(self.study.config)
+        asked = dict(stage.but_for_scale(stage_parameters(stage, values)))
+        inputs = {name: stage_keys[name] for name in stage.fed(values)}
+        for record, _ in store.records():
+            is_whole = not record.neighbour and dict(record.inputs) == inputs
+            if (record.stage, record.version, is_whole) != (stage.name, stage.version, True):
+                continue
+            if dict(stage.but_for_scale(record.parameters)) == asked:
+                with suppress(DamagedError):
+                    return Neighbour(Parameters(record.parameters), store.load(record), record.key)
+        return None
+
     def _compute(
-        self, stage: Stage, stage_keys: Mapping[str, str], data: Mapping[str, xr.Dataset]
+        self,
+        stage: Stage,
+        stage_keys: Mapping[str, str],
+        data: Mapping[str, xr.Dataset],
+        like: Neighbour | None,
     ) -> tuple[Record, xr.Dataset]:
         values = flatten(self.study.config)
         parameters, fed = stage_parameters(stage, values), stage.fed(values)
@@ -155,11 +180,8 @@ class _Run:
 
         # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
         with threadpool_limits(limits=1, user_api="blas"):
-            dataset = stage.compute(
-                parameters,
-                {name: data[name] for name in fed},
-                lambda line: self.observer.step(stage.name, line),
-            )
+            inputs = {name: data[name] for name in fed}
+            dataset = stage.begin(parameters, inputs, self._say(stage), like)
         record = Record(
             stage=stage.name,
             version=stage.version,
@@ -170,8 +192,12 @@ class _Run:
             data="",
             software=software_versions(),
             processor=time.process_time() - busy,
+            neighbour="" if like is None else like.key,
         )
         return record, dataset
+
+    def _say(self, stage: Stage) -> Say:
+        return lambda line: self.observer.step(stage.name, line)
 
     def _key(self, stage_keys: Mapping[str, str]) -> str:
         """Return the hash of all that the files on show depend on."""

@@ -151,6 +151,14 @@ class Stage:
         """Return the name under which its cost is told."""
         return self.told_with or self.name
 
+    def begin(
+        self, parameters: Parameters, inputs: Inputs, say: Say, start: Neighbour | None
+    ) -> xr.Dataset:
+        """Compute it, from a neighbour's result where there is one and it can begin with it."""
+        if self.compute_from is None or start is None:
+            return self.compute(parameters, inputs, say)
+        return self.compute_from(parameters, inputs, say, start)
+
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""
         return self.inputs + self.inputs_if(values)

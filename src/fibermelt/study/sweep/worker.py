@@ -280,9 +280,7 @@ def _answer(
         """Ignore it: a sweep tells of cases, not of their steps."""
 
     try:
-        if stage.compute_from is not None and start is not None:
-            return stage.compute_from(parameters, inputs, say, start)
-        return stage.compute(parameters, inputs, say)
+        return stage.begin(parameters, inputs, say, start)
     except Exception as error:
         expected = isinstance(error, FibermeltError)
         failure = Failure(
