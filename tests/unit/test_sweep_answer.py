@@ -53,7 +53,12 @@ def test_samples_tell_quantiles_and_what_the_variance_is_due_to(tmp_path):
     ("numbers", "failed", "told"),
     [
         (INLET, range(6), "No case has an answer yet."),
-        ({"inlet_pressure": ("Pa", lambda _: 1.0)}, (), "All numbers are the same in the 6 cases"),
+        (
+            {"inlet_pressure": ("Pa", lambda _: 1.0)},
+            (),
+            "The same in all 6 cases that have an answer: inlet pressure.",
+        ),
+        (INLET, range(1, 6), "One case has an answer: there is nothing to compare it with."),
     ],
 )
 def test_what_has_no_answer_says_so(tmp_path, numbers, failed, told):

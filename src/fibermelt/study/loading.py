@@ -102,7 +102,12 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
         msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
         raise ConfigError(msg)
     if over:
-        sweep = {**(sweep or {}), **dict(map(_varying, over))}
+        varying = list(map(_varying, over))
+        keys = [key for key, _ in varying]
+        if twice := [key for key in keys if keys.count(key) > 1]:
+            msg = f"--over {legible(twice[0])}: is given twice: write all its values in one --over"
+            raise ConfigError(msg)
+        sweep = {**(sweep or {}), **dict(varying)}
         origin += ", over " + " and ".join(over)
     return Study(
         name=name,

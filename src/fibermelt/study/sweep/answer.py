@@ -48,7 +48,10 @@ def answer_sweep(collected: xr.Dataset) -> tuple[str, ...]:
         return ("No case has an answer yet.",)
     varying = {one.name: one for one in table.varying}
     if not varying:
-        return (f"All numbers are the same in the {done} cases that have an answer.",)
+        if done == 1:
+            return ("One case has an answer: there is nothing to compare it with.",)
+        same = ", ".join(one.title[0].lower() + one.title[1:] for one in table.responses)
+        return (f"The same in all {done} cases that have an answer: {same or 'all numbers'}.",)
     lead = next((varying[name] for name in LEADS if name in varying), None)
     lead = lead or next(iter(varying.values()))
     told = [_range(table, lead)]

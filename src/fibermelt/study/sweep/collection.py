@@ -35,7 +35,7 @@ __all__ = [
     "stack",
 ]
 
-COLLECTION = 1
+COLLECTION = 2
 """Version of what is kept: raised whenever the same results give other numbers here."""
 
 COLLECTED_DIMENSIONS = frozenset(
@@ -45,6 +45,12 @@ COLLECTED_DIMENSIONS = frozenset(
     )
 )
 """Dimensions that are few: what has no others is kept."""
+
+OWN_LABELS = {"void_layer": "void_layer_middle"}
+"""Labels that every case has of its own, and the names under which they are kept as numbers.
+
+As labels they would be united over all cases, which the last digits of the bead's height tell apart
+already: of n cases every array over layers would have n times its size, most of it NaN."""
 
 REDUCED_DIMENSION = "initial_angle"
 """The dimension over which extremes and means are taken."""
@@ -96,7 +102,8 @@ def reduce_results(dataset: xr.Dataset) -> dict[str, Kept]:
         long_name = str(variable.attrs.get("long_name", ""))
         others = set(dimensions) - COLLECTED_DIMENSIONS
         if not others:
-            kept[name] = Kept(dimensions, _plain(variable.to_numpy()), units, long_name)
+            own = OWN_LABELS.get(name, name)
+            kept[own] = Kept(dimensions, _plain(variable.to_numpy()), units, long_name)
         elif others == {REDUCED_DIMENSION} and len(dimensions) > 1 and units in REDUCED_UNITS:
             axis = dimensions.index(REDUCED_DIMENSION)
             left = tuple(item for item in dimensions if item != REDUCED_DIMENSION)

@@ -5,9 +5,11 @@ dask.distributed is imported when a cluster is wanted, and never for anything el
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import queue
+import re
 import signal
 import tempfile
 import time
@@ -20,6 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
+from fibermelt.study.parameters import excerpt
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
@@ -46,6 +49,10 @@ def cores() -> int:
     except ImportError:
         return os.cpu_count() or 1
     return int(CPU_COUNT)
+
+
+ADDRESS = re.compile(r"(tcp|tls|ws|wss|ucx)://[^/\s]+:\d{1,5}/?")
+"""What dask takes for the address of a scheduler."""
 
 
 class Died:
@@ -268,7 +275,7 @@ def _without_interrupts() -> Iterator[None]:
 @contextmanager
 def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
     """Yield the workers of a scheduler that is there already."""
-    where: dict[str, Any] = {"address": scheduler}
+    address = scheduler
     if "://" not in scheduler:
         path = Path(scheduler)
         if not path.is_file():
@@ -283,9 +290,15 @@ def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
                 "taken for the address of a scheduler: keep it elsewhere"
             )
             raise ConfigError(msg)
-        where = {"scheduler_file": str(path)}
+        address = _written(path)
+    if not ADDRESS.fullmatch(address):
+        # dask would answer with a client half made, that hangs and complains as it is dropped.
+        msg = f"--scheduler {scheduler}: is no address such as tcp://host:8786"
+        raise ConfigError(
+            msg if address == scheduler else f"{msg}, nor is {excerpt(address)} in it"
+        )
     try:
-        client = _distributed().Client(**where, timeout=CONNECT, set_as_default=False)
+        client = _distributed().Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, TimeoutError, ValueError, ImportError) as error:
         msg = (
             f"--scheduler {scheduler}: does not answer ({str(error) or type(error).__name__}): "
@@ -298,3 +311,15 @@ def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):
             client.close(timeout=2)
+
+
+def _written(path: Path) -> str:
+    """Return the address that a scheduler file holds."""
+    try:
+        return str(json.loads(path.read_text(encoding="utf-8"))["address"])
+    except (OSError, ValueError, LookupError, TypeError):
+        msg = (
+            f"--scheduler {path}: holds no address of a scheduler: have dask scheduler "
+            "--scheduler-file write it"
+        )
+        raise ConfigError(msg) from None
