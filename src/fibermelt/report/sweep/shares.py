@@ -27,7 +27,7 @@ from fibermelt.report.style import (
 from fibermelt.report.style import styled as in_style
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
-from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices
+from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 
@@ -130,7 +130,7 @@ def quantile_words(collected: xr.Dataset) -> Words:
         caption=(
             f"Share of the cases in which a response is lower, over {cases} cases, with the "
             "quantiles at 5, 50 and 95 %: how far the response spreads when the parameters are as "
-            f"uncertain as the study says. {QUANTILE_RULE}{_dashed(table)}"
+            f"uncertain as the study says. {QUANTILE_RULE}{_dashed(table)}{_without_indices(table)}"
         ),
         alt=" ".join(told),
     )
@@ -160,6 +160,17 @@ def all_indices(table: SweepTable) -> Found:
         return []
     found = [(one, sobol_indices(table, one)) for one in table.varying]
     return [(one, indices) for one, indices in found if indices is not None]
+
+
+def _without_indices(table: SweepTable) -> str:
+    """Return why responses have no indices, for each reason those that it keeps from them."""
+    if len(table.axes) == 1:
+        return ""
+    reasons: dict[str, list[str]] = {}
+    for one in table.varying:
+        if reason := why_no_indices(table, one):
+            reasons.setdefault(reason, []).append(one.title)
+    return "".join(f" {', '.join(names)}: {reason}." for reason, names in reasons.items())
 
 
 def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:

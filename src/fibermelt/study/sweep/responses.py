@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["Response", "responses_of"]
+__all__ = ["SAME", "Response", "responses_of"]
 
 MM, MPA, PERCENT = 1e3, 1e-6, 100.0
 """Millimetres in a metre, megapascals in a pascal, hundredths in one."""
