@@ -98,8 +98,23 @@ def test_samples_that_are_too_few_for_indices_say_so(tmp_path, table, failed, re
     _, second = answer_sweep(collected)
     assert reason in second
     caption = quantile_words(collected).caption
-    assert "Inlet pressure: no Sobol indices, which need " in caption
-    assert reason in caption
+    assert " No Sobol indices, which need " in caption
+    assert reason.removeprefix("no ") in caption
+
+
+def test_responses_that_lack_more_answers_than_others_are_named(tmp_path):
+    # Without a void there is no moisture: too few cases have one, and all have a pressure.
+    numbers = {
+        **INLET,
+        "void_critical_moisture_mean": (
+            "1",
+            lambda point: point[GAP] if point[VISCOSITY] > 800 else float("nan"),
+        ),
+    }
+    caption = quantile_words(made_up(tmp_path, sampled("sobol", 64), numbers)).caption
+    assert "Critical moisture, median fiber: no Sobol indices, which need 64 cases" in caption
+    assert "with an answer: 32 of 64 have one" in caption
+    assert "Inlet pressure:" not in caption
 
 
 def test_enough_samples_give_no_reason(tmp_path):

@@ -25,6 +25,7 @@ from fibermelt.report.style import (
     new_figure,
 )
 from fibermelt.report.style import styled as in_style
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
 from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
@@ -112,6 +113,7 @@ def _distribution(axes: Axes, response: Response) -> None:
     axes.set_yticks([5, 50, 95])
     axes.margins(x=0.12)
     axes.locator_params(axis="x", nbins=4)
+    plain_numbers(axes)
     axes.set_xlabel(textwrap.fill(response.heading, 36))
 
 
@@ -170,7 +172,10 @@ def _without_indices(table: SweepTable) -> str:
     for one in table.varying:
         if reason := why_no_indices(table, one):
             reasons.setdefault(reason, []).append(one.title)
-    return "".join(f" {', '.join(names)}: {reason}." for reason, names in reasons.items())
+    if [len(names) for names in reasons.values()] == [len(table.varying)]:
+        reason = next(iter(reasons))
+        return f" {reason[0].upper()}{reason[1:]}."
+    return "".join(f" {'; '.join(names)}: {reason}." for reason, names in reasons.items())
 
 
 def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:

@@ -9,7 +9,6 @@ from fibermelt.errors import ConfigError
 from fibermelt.study.sweep.effects import effect
 from fibermelt.study.sweep.indices import sobol_indices, why_no_indices
 from fibermelt.study.sweep.quantiles import quantiles
-from fibermelt.study.sweep.responses import SAME
 from fibermelt.study.sweep.table import SweepTable, sweep_table
 from fibermelt.study.sweep.window import drying_advice
 
@@ -147,7 +146,7 @@ def _half(lead: Response, lie: str, weights: Array | None = None) -> str:
     values = lead.values[there]
     counted = np.ones(len(values)) if weights is None else weights[there]
     middle = float(quantiles(lead.values, (0.5,), weights)[0])
-    same = np.abs(values - middle) <= SAME * np.max(np.abs(values))
+    same = np.abs(values - middle) <= lead.same * np.max(np.abs(values))
     share = float(counted[same].sum() / counted.sum())
     if np.count_nonzero(same) < 2 or share < SHARED:
         return f"Half {lie} below {_number(lead, middle)}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 __all__ = ["DIGITS", "SweepTable", "Varied", "sweep_table"]
+
+TOLERANCE = "numerics.flow_tolerance"
 
 DIGITS = 5
 """Significant digits of a value in a label: as many as anybody writes."""
@@ -164,9 +167,23 @@ def sweep_table(collected: xr.Dataset) -> SweepTable:
         groups=_groups(entries) if design == "one-at-a-time" else (),
         status=tuple(map(str, status)),
         reason=tuple(map(str, _flat(collected, "reason", dimensions))),
-        responses=responses_of(collected, dimensions, [key for one in keys for key in one]),
+        responses=responses_of(
+            collected,
+            dimensions,
+            [key for one in keys for key in one],
+            _flow_tolerance(collected),
+        ),
         weighing=next((axis for axis in axes if axis.keys == (asked.get("weight"),)), None),
     )
+
+
+def _flow_tolerance(collected: xr.Dataset) -> float:
+    """Return the tolerance of the flows [-], the largest if it varies; 0 if nothing tells it."""
+    if TOLERANCE in collected:
+        return float(collected[TOLERANCE].max())
+    section, _, name = TOLERANCE.partition(".")
+    written = tomllib.loads(str(collected.attrs.get("config", ""))).get(section, {})
+    return float(written.get(name, 0.0))
 
 
 def _in_words(error: Exception) -> str:
