@@ -35,6 +35,23 @@ def test_one_at_a_time_is_no_mean(tmp_path):
     assert second.startswith("What moves it, the strongest first: viscosity from 400 Pa s")
 
 
+@pytest.mark.parametrize(
+    ("rest", "function", "sentences"),
+    [
+        ("", lambda point: 4e7 * point[GAP], 1),
+        ("", lambda point: -4e7 * point[GAP], 1),
+        ("", lambda point: 1e12 * (point[GAP] - 2.9e-3) ** 2, 2),  # lowest in the middle
+        ('design = "one-at-a-time"', lambda point: 1e12 * (point[GAP] - 3e-3) ** 2, 2),
+    ],
+)
+def test_one_parameter_is_told_once(tmp_path, rest, function, sentences):
+    text = f'"{GAP}" = ["2.5 mm", "2.9 mm", "4 mm"]\n{rest}'
+    told = answer_sweep(made_up(tmp_path, text, {"inlet_pressure": ("Pa", function)}))
+    assert len(told) == sentences
+    assert told[0].startswith("Inlet pressure: from ")
+    assert all(one.startswith("With gap from 2.5 mm to 4 mm: ") for one in told[1:])
+
+
 def test_voids_come_before_pressures(tmp_path):
     numbers = {**INLET, "void_critical_moisture_mean": ("1", lambda point: point[GAP])}
     first, *_ = answer_sweep(made_up(tmp_path, GRID, numbers))

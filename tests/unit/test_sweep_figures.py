@@ -45,6 +45,13 @@ def test_a_table_has_units_that_people_write(tmp_path):
     assert table.point(1) == "gap 2.5 mm, viscosity 800 Pa s"
 
 
+def test_degrees_have_a_zero_of_their_own(tmp_path):
+    text = '"voids.temperature" = ["220 degC", "503.15 K"]'
+    (temperature,) = sweep_table(made_up(tmp_path, text, {})).axes
+    assert temperature.values == pytest.approx([220, 230], abs=1e-9)
+    assert temperature.written(temperature.values[1]) == "230 °C"
+
+
 def test_a_dataset_that_is_no_sweep_is_refused():
     with pytest.raises(StoreError, match="does not say what varied"):
         sweep_table(xr.Dataset({"status": ("case", ["done"])}))

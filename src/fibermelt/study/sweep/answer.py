@@ -94,7 +94,7 @@ def _effects(table: SweepTable, lead: Response) -> str:
             over = f"{axis.written(levels[first])} to {axis.written(levels[last])}"
             told = f"{axis.title} from {over}: {_number(lead, ends[0])} to {_number(lead, ends[1])}"
             found.append((float(np.ptp(mean[there])), told))
-    if not found:
+    if not found or (len(found) == 1 and _is_told(table, lead)):
         return ""
     found.sort(key=lambda one: -one[0])
     told = "; ".join(told for _, told in found[:TOLD])
@@ -102,6 +102,17 @@ def _effects(table: SweepTable, lead: Response) -> str:
     mean = "mean over the others, " if len(table.axes) > 1 and not table.groups else ""
     order = f"What moves it, {mean}the strongest first: " if len(found) > 1 else "With "
     return f"{order}{told}{more}."
+
+
+def _is_told(table: SweepTable, lead: Response) -> bool:
+    """Tell whether the range of a response has said how it follows the only parameter."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    ends = {int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values))}
+    if len(table.axes) > 1 or (table.groups and 0 in ends):
+        return False
+    at = table.axes[0].values[np.isfinite(lead.values)]
+    return {float(table.axes[0].values[end]) for end in ends} == {float(at.min()), float(at.max())}
 
 
 def _spread(table: SweepTable, lead: Response) -> str:
