@@ -85,6 +85,21 @@ def test_tables_that_scroll_can_be_reached_by_keyboard(opened: Any) -> None:
         assert regions.nth(k).get_attribute("aria-label")
 
 
+@every_width
+def test_figures_are_as_large_as_can_be_read(opened: Any, size: tuple[int, int]) -> None:
+    """Letters of 2.5 mm on a page of 190 mm: at 700 px they are 9 px high. The card scrolls."""
+    page = opened(size)
+    for image in page.locator("figure .card img").all():
+        assert image.bounding_box()["width"] >= 700
+    for card in page.locator("figure .card").all():
+        box = card.bounding_box()
+        assert box["x"] + box["width"] <= size[0]
+        assert card.get_attribute("tabindex") == "0"
+        assert card.get_attribute("aria-label")
+        if card.evaluate("one => one.scrollWidth > one.clientWidth"):
+            assert card.evaluate("one => { one.scrollLeft = 99; return one.scrollLeft }") > 0
+
+
 def test_it_prints(opened: Any) -> None:
     page = opened(DESKTOP)
     assert page.pdf()[:5] == b"%PDF-"

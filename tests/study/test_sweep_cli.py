@@ -85,7 +85,7 @@ def test_a_plan_shows_what_is_shared_and_what_is_done(tmp_path):
     assert [case["status"] for case in after["each"]] == ["failed"] * 3 + ["done"] * 3
     words = fibermelt("plan", study, "--out", out).stdout
     assert "6 (2 x 3): 3 done, 3 failed, 0 to do" in words
-    assert "flow.gap = 0.003 m, fiber.aspect_ratio = 8" in words
+    assert "flow.gap = 3 mm, fiber.aspect_ratio = 8" in words
 
 
 def test_a_grid_is_collected_over_its_axes(tmp_path):

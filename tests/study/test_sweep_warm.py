@@ -200,7 +200,7 @@ def stored(real, kind):
 
 
 def test_a_flow_from_a_neighbour_ends_within_its_error_in_fewer_steps(real):
-    parameters, found = stored(real, "flow warm")
+    parameters, found = stored(real, "flow from a neighbour")
     expected = flow_stage(parameters, {}, lambda line: None)
     for name in ("contact_point", "heel", "inlet_pressure"):
         assert abs(found[name] - expected[name]) <= expected[f"{name}_error"], name

@@ -207,7 +207,7 @@ def test_a_plan_foretells_time_and_disk(costly):
     assert re.search(r"to do +about 26 s on 1 worker, \d+ kB, as what is stored took\n", told)
     listed = json.loads(fibermelt("plan", study, "--out", out, "--workers", 1, "--json").stdout)
     assert listed["estimate"]["work"] == pytest.approx(2 * WARM + 4 * CASE)
-    assert "flow.gap = 0.0039 m, fiber.aspect_ratio = 4\n" in told
+    assert "flow.gap = 3.9 mm, fiber.aspect_ratio = 4\n" in told
     done = fibermelt("plan", study, "--out", out, "--workers", -1)
     assert (done.exit_code, "--workers -1: must be" in done.stderr) == (2, True)
 
@@ -220,6 +220,39 @@ def test_a_plan_says_what_it_cannot_foretell(costly, tmp_path):
     assert "not counted, as none is there yet: cases" in told
     told = fibermelt("plan", study, "--out", tmp_path / "empty").stdout
     assert "how long it takes is told once the folder has some of its flow" in told
+
+
+def test_a_plan_has_the_units_and_words_of_a_study(tmp_path):
+    text = CHAINED.replace('"fiber.aspect_ratio" = [4, 8]', '"voids.temperature" = ["225 degC"]')
+    told = fibermelt("plan", fake_sweeps.study_file(tmp_path, text), "--out", tmp_path / "o").stdout
+    assert "flow.gap = 6.4 mm, voids.temperature = 225 °C\n" in told
+    assert re.search(r"once the folder has some of its .*\bflow from a neighbour,", told)
+    assert "warm" not in told
+
+
+@pytest.mark.parametrize("command", ["resume", "status", "report", "clean", "collect"])
+def test_an_empty_name_of_a_folder_is_told_as_such(command):
+    done = fibermelt(command, " ")
+    assert done.exit_code == 2
+    assert 'DIR "": is no name of a folder' in done.stderr
+    assert "--out" not in done.stderr
+
+
+def test_a_folder_is_no_file_to_collect_into(chained, tmp_path):
+    _, out = chained
+    (tmp_path / "mine").mkdir()
+    done = fibermelt("collect", out, "--to", tmp_path / "mine")
+    assert done.exit_code == 2
+    told = f"--to {tmp_path}/mine: is a folder; name a file, such as {tmp_path}/mine/sweep.nc"
+    assert told in done.stderr
+
+
+def test_one_case_is_one_case(tmp_path):
+    study = fake_sweeps.study_file(tmp_path, 'preset = "paper"\n[sweep]\n"flow.gap" = ["3 mm"]\n')
+    done = fibermelt("sweep", study, "--out", tmp_path / "out", "--workers", 0)
+    assert "sweep: 1 case\n" in done.stderr
+    assert "sweep: 1 of 1 case done, 0 failed" in done.stderr
+    assert "1 of 1 case has an answer" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_what_cases_cost_is_added_up_over_runs(tmp_path):

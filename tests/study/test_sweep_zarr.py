@@ -42,7 +42,7 @@ def test_zarr_holds_what_netcdf_does(out):
         assert (done.exit_code, done.stderr) == (0, "")
     with (
         xr.open_dataset(out / "sweep.nc", engine="h5netcdf") as expected,
-        xr.open_zarr(out / "sweep.zarr", consolidated=False, chunks=None) as found,
+        xr.open_zarr(out / "sweep.zarr", chunks=None) as found,
     ):
         assert found.attrs == expected.attrs
         assert found.sizes == expected.sizes

@@ -95,6 +95,42 @@ WRONG = [
         '"flow.gap" = { low = 1, high = 2 }\ndesign = "sobol"\nsamples = 1048576',
         "1048576 cases, at most",
     ),
+    ('"flow.gap" = ["3 mm", "4 mm", "3 mm"]', r'"flow\.gap": 3 mm is there twice: name it once'),
+    ('"flow.gap" = ["3 mm", 0.003]', "3 mm and 0.003 are the same value: name it once"),
+    ('"flow.gap" = ["0.1 in", "2.54 mm"]', "are the same value: name it once"),
+    ('"fiber.model" = ["ellipse", "ellipse"]', "ellipse is there twice: name it once"),
+    ('"streamlines.features" = [[4, 10], [4.0, 10]]', "are the same value"),
+    (
+        '"flow.gap, flow.outlet" = [["3 mm", "30 mm"], ["4 mm", "30 mm"], [0.004, "3 cm"]]',
+        r'sweep\."flow\.gap, flow\.outlet": 4 mm, 30 mm and 0\.004, 3 cm are the same value',
+    ),
+    (
+        '"flow.gap" = { from = 2, to = 2, count = 3 }',
+        "from = 2, to = 2: are the same value: let them differ, or give a list of one",
+    ),
+    ('"flow.gap" = { from = "2 mm", to = 0.002, count = 2 }', "are the same value: let them"),
+    (
+        '"flow.gap" = { low = 1, high = 2 }\nsamples = 8',
+        r'sweep\.samples = 8: design = "grid", which is meant where none is named, draws no '
+        r'samples: take design = "latin-hypercube", "sobol" or "saltelli", or leave samples away',
+    ),
+    (
+        '"flow.gap" = [1, 2]\ndesign = "one-at-a-time"\nseed = 3',
+        r'sweep\.seed = 3: design = "one-at-a-time" draws nothing .* or leave seed away',
+    ),
+    (
+        '"streamlines.count" = { low = 10, high = 20 }\ndesign = "sobol"\nsamples = 4',
+        r'"streamlines\.count" = \{ low = 10, high = 20 \}: a whole number has no range and is not '
+        r"sampled: give a list of its values, such as \[22, 44\], with design = \"grid\"",
+    ),
+    ('"streamlines.count" = { from = 10, to = 20, count = 3 }', "a whole number has no range"),
+    (
+        '"fiber.model" = { low = 1, high = 2 }',
+        r'a word has no .* such as \["confined-ellipse", "el',
+    ),
+    ('"streamlines.features" = { low = 1, high = 2 }', "a list has no range"),
+    ('"sead" = 3', r"sweep\.sead: unknown key; did you mean seed\? .* -s sweep\.seed=\.\.\."),
+    ('"sweep.flow.gapp" = [3]', r"sweep\.flow\.gapp: unknown key; did you mean flow\.gap\?"),
 ]
 
 
@@ -110,6 +146,21 @@ def test_a_case_that_cannot_be_is_named(tmp_path):
     message = r"case 2 of the sweep \(fiber\.aspect_ratio = 0\.5\): .* must be at least 1"
     with pytest.raises(ConfigError, match=message):
         found.cases()
+
+
+@pytest.mark.parametrize(
+    ("entry", "way"),
+    [
+        ("{ low = 0.5, high = 1.5 }", "is sampled from end to end: narrow it"),
+        ("{ mean = 1, std = 1 }", r"cut it off with \{ \.\.\., between = \[low, high\] \}"),
+    ],
+)
+def test_a_sample_beyond_the_bounds_has_a_way_out(tmp_path, entry, way):
+    text = f'"fiber.aspect_ratio" = {entry}\ndesign = "sobol"\nsamples = 8'
+    with pytest.raises(
+        ConfigError, match=f'must be at least 1.*; sweep."fiber.aspect_ratio" .*{way}'
+    ):
+        sweep(tmp_path, text).cases()
 
 
 def test_a_study_without_a_sweep_says_how_to_run_it():
@@ -156,6 +207,9 @@ def test_what_varies_is_named_once():
         ("flow.gapp=3 mm", r"sweep\.flow\.gapp: unknown key; did you mean"),
         ("flow.gap=3 mm,,4 mm", r"case 2 of the sweep .*flow\.gap"),
         ("flow.gap=3 kg", r"flow\.gap"),
+        ("seed=3", r"--over seed: is a setting and does not vary: write -s sweep\.seed=3"),
+        ("sweep.seed=3", r"--over sweep\.seed: .* write -s sweep\.seed=3"),
+        ("flow.gap=3 mm, 0.003", "are the same value: name it once"),
     ],
 )
 def test_a_wrong_name_or_value_of_what_varies_is_refused(over, said):

@@ -129,7 +129,7 @@ def test_those_that_killed_their_workers_come_one_by_one():
 def test_the_time_to_go_is_told_when_every_kind_is_known():
     agenda = Agenda(GRID, (), (), ())
     kinds = {job.kind for job in GRID.jobs.values()}
-    assert kinds >= {"flow", "flow warm", "streamlines", "cell"}
+    assert kinds >= {"flow", "flow from a neighbour", "streamlines", "cell"}
     for job in {job.kind: job for job in GRID.jobs.values()}.values():
         assert agenda.seconds_left() is None
         agenda.learn(job, 2.0)

@@ -1,8 +1,11 @@
 """What a sweep comes to in a few sentences, of responses with known answers."""
 
+import re
+
 import pytest
 from swept_cases import GAP, GRID, ONE_AT_A_TIME, VISCOSITY, made_up, sampled
 
+from fibermelt.report.sweep.shares import quantile_words
 from fibermelt.study.sweep.answer import answer_sweep
 
 
@@ -30,6 +33,23 @@ def test_a_grid_tells_its_range_and_what_moves_it_most_first(tmp_path):
 def test_one_at_a_time_is_no_mean(tmp_path):
     _, second = answer_sweep(made_up(tmp_path, ONE_AT_A_TIME, INLET))
     assert second.startswith("What moves it, the strongest first: viscosity from 400 Pa s")
+
+
+@pytest.mark.parametrize(
+    ("rest", "function", "sentences"),
+    [
+        ("", lambda point: 4e7 * point[GAP], 1),
+        ("", lambda point: -4e7 * point[GAP], 1),
+        ("", lambda point: 1e12 * (point[GAP] - 2.9e-3) ** 2, 2),  # lowest in the middle
+        ('design = "one-at-a-time"', lambda point: 1e12 * (point[GAP] - 3e-3) ** 2, 2),
+    ],
+)
+def test_one_parameter_is_told_once(tmp_path, rest, function, sentences):
+    text = f'"{GAP}" = ["2.5 mm", "2.9 mm", "4 mm"]\n{rest}'
+    told = answer_sweep(made_up(tmp_path, text, {"inlet_pressure": ("Pa", function)}))
+    assert len(told) == sentences
+    assert told[0].startswith("Inlet pressure: from ")
+    assert all(one.startswith("With gap from 2.5 mm to 4 mm: ") for one in told[1:])
 
 
 def test_voids_come_before_pressures(tmp_path):
@@ -64,3 +84,92 @@ def test_samples_tell_quantiles_and_what_the_variance_is_due_to(tmp_path):
 def test_what_has_no_answer_says_so(tmp_path, numbers, failed, told):
     (only,) = answer_sweep(made_up(tmp_path, GRID, numbers, failed=failed))
     assert only.startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("table", "failed", "reason"),
+    [
+        (
+            sampled("saltelli", 8),
+            (),
+            "no Sobol indices, which need 16 blocks of 5 cases that all have an answer: 8 of 8 are "
+            "such; take more samples.",
+        ),
+        (
+            sampled("saltelli", 16),
+            (3, 4, 60),
+            "blocks of 5 cases that all have an answer: 14 of 16 are such; finish the sweep, see "
+            "why cases failed, or take more samples.",
+        ),
+        (
+            sampled("latin-hypercube", 40),
+            (0,),
+            "no Sobol indices, which need 64 cases with an answer: 39 of 40 have one; take more "
+            "samples.",
+        ),
+        (sampled("sobol", 64), (0,), "63 of 64 have one; finish the sweep, see why"),
+    ],
+)
+def test_samples_that_are_too_few_for_indices_say_so(tmp_path, table, failed, reason):
+    collected = made_up(tmp_path, table, INLET, failed=failed)
+    _, second = answer_sweep(collected)
+    assert reason in second
+    caption = quantile_words(collected).caption
+    assert " No Sobol indices, which need " in caption
+    assert reason.removeprefix("no ") in caption
+
+
+def test_responses_that_lack_more_answers_than_others_are_named(tmp_path):
+    # Without a void there is no moisture: too few cases have one, and all have a pressure.
+    numbers = {
+        **INLET,
+        "void_critical_moisture_mean": (
+            "1",
+            lambda point: point[GAP] if point[VISCOSITY] > 800 else float("nan"),
+        ),
+    }
+    caption = quantile_words(made_up(tmp_path, sampled("sobol", 64), numbers)).caption
+    assert "Critical moisture, median fiber: no Sobol indices, which need 64 cases" in caption
+    assert "with an answer: 32 of 64 have one" in caption
+    assert "Inlet pressure:" not in caption
+
+
+def test_enough_samples_give_no_reason(tmp_path):
+    collected = made_up(tmp_path, sampled("sobol", 64), INLET)
+    assert "no Sobol" not in "".join(answer_sweep(collected))
+    assert "no Sobol" not in quantile_words(collected).caption
+
+
+SPREAD = f'"{GAP}" = {{ low = "2 mm", high = "3 mm" }}\ndesign = "latin-hypercube"\nsamples = 20\n'
+
+
+def stepped(share):
+    """Return a moisture that is nothing for a share of the gaps, and follows the others."""
+    return lambda point: max(0.0, point[GAP] - (2 + share) * 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("function", "told"),
+    [
+        (stepped(0.7), "70 % of the cases lie at 0 %, the lowest value, nine tenths between 0 %"),
+        (stepped(0.3), "Half of the cases lie below 0.0"),
+        (lambda point: min(point[GAP], 2.2e-3), "80 % of the cases lie at 0.22 %, the highest"),
+        (lambda point: sorted((2.2e-3, point[GAP], 2.8e-3))[1], "Half of the cases lie below 0.2"),
+        (
+            lambda point: 2.4e-3 if 2.2e-3 < point[GAP] < 2.8e-3 else point[GAP],
+            "Half of the cases lie at or below 0.24 %",
+        ),
+    ],
+)
+def test_what_many_cases_share_is_not_what_half_lie_below(tmp_path, function, told):
+    numbers = {"void_critical_moisture_mean": ("1", function)}
+    _, second = answer_sweep(made_up(tmp_path, SPREAD, numbers))
+    assert second.startswith(told)
+
+
+def test_weighed_cases_share_by_weight(tmp_path):
+    # Gaps from 2 to 2.7 of 3 mm hold 3.29 / 5 of all; a sample is off by a stratum of 20 at most.
+    numbers = {"void_critical_moisture_mean": ("1", stepped(0.7))}
+    _, second = answer_sweep(made_up(tmp_path, f'{SPREAD}weight = "{GAP}"', numbers))
+    share = float(re.search(r"; weighed by gap, ([\d.]+) % lies at 0 %, the lowest", second)[1])
+    assert share == pytest.approx(65.8, abs=100 / 20)

@@ -227,7 +227,12 @@ def test_a_sobol_sequence_needs_a_power_of_two(tmp_path):
         (
             '"flow.gap" = ["3 mm"]',
             'weight = "flow.gap"',
-            r"one of the keys that are sampled; a grid has no population",
+            r'weight = "flow\.gap": design = "grid", which is .*, has no population .*, or leave',
+        ),
+        (
+            '"flow.gap" = ["3 mm"]',
+            'weight = "flow.gap"\ndesign = "one-at-a-time"',
+            r'weight = "flow\.gap": design = "one-at-a-time" has no population .* take design',
         ),
         (
             '"numerics.contact_guess" = { low = "-1 mm", high = "1 mm" }',

@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.report.sweep.figures import sweep_plates
+from fibermelt.report.sweep.figures import effects_words, sweep_effects, sweep_plates
 from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.effects import effect
@@ -43,6 +43,13 @@ def test_a_table_has_units_that_people_write(tmp_path):
     assert (contact.unit, pressure.unit) == ("mm", "MPa")
     assert [one.varies for one in (contact, pressure, height)] == [True, True, False]
     assert table.point(1) == "gap 2.5 mm, viscosity 800 Pa s"
+
+
+def test_degrees_have_a_zero_of_their_own(tmp_path):
+    text = '"voids.temperature" = ["220 degC", "503.15 K"]'
+    (temperature,) = sweep_table(made_up(tmp_path, text, {})).axes
+    assert temperature.values == pytest.approx([220, 230], abs=1e-9)
+    assert temperature.written(temperature.values[1]) == "230 °C"
 
 
 def test_a_dataset_that_is_no_sweep_is_refused():
@@ -176,6 +183,67 @@ def test_a_grid_has_effects_and_maps(tmp_path):
     assert "bead height" in words["effects"].caption
     assert "lowest −3 mm at gap 4 mm, viscosity 400 Pa s" in words["maps"].alt
     assert "no answer" in words["maps"].caption
+
+
+def rising(part):
+    """Return a bead height that rises by a part of itself over the viscosities of the grid."""
+    return {"bead_height": ("m", lambda point: 3e-3 * (1 + part * (point[VISCOSITY] - 400) / 400))}
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "part", "varies"),
+    [(1e-7, 9e-7, False), (1e-7, 1.1e-6, True), (1e-6, 9e-6, False), (1e-12, 9e-7, False)],
+)
+def test_what_differs_by_the_tolerance_of_the_flow_is_the_same(tmp_path, tolerance, part, varies):
+    text = f"{GRID}\n[numerics]\nflow_tolerance = {tolerance}"
+    (height,) = sweep_table(made_up(tmp_path, text, rising(part))).responses
+    assert height.varies == varies
+
+
+def test_of_tolerances_that_vary_the_largest_counts(tmp_path):
+    text = f'"numerics.flow_tolerance" = [1e-7, 1e-5]\n"{VISCOSITY}" = [400, 800]'
+    (height,) = sweep_table(made_up(tmp_path, text, rising(9e-5))).responses
+    assert not height.varies
+
+
+ONE = f'"{GAP}" = {{ low = "2.5 mm", high = "4 mm" }}\ndesign = "sobol"\nsamples = 16\n'
+
+
+@pytest.mark.parametrize("text", [GRID, ONE_AT_A_TIME, ONE, sampled("saltelli", 16)])
+def test_no_axis_leaves_a_part_of_its_numbers_to_a_text_beside_it(tmp_path, text):
+    """A small change of a large number, and a large one of a very small number."""
+    numbers = {
+        "inlet_pressure": ("Pa", lambda point: 4e6 * (1 + 1e-2 * point[GAP])),
+        "void_critical_moisture_mean": ("1", lambda point: 1e-9 * point[GAP]),
+    }
+    collected = made_up(tmp_path, text, numbers)
+    for plate in sweep_plates(collected):
+        figure = plate.draw(collected)
+        FigureCanvasAgg(figure).draw()
+        for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+            assert axis.get_offset_text().get_text() == ""
+            for tick in axis.get_major_ticks() if plate.name == "effects" else ():
+                if tick.label1.get_visible():
+                    # Three digits at least; what is drawn at 0 may be off by rounding.
+                    told = float(tick.label1.get_text().replace("−", "-"))
+                    assert told == pytest.approx(tick.get_loc(), rel=5e-3, abs=1e-15)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_one_parameter_alone_has_its_charts_over_the_whole_width(tmp_path, count):
+    every = {
+        "contact_point": NUMBERS["contact_point"],
+        "inlet_pressure": ("Pa", lambda point: 1e8 * point[GAP]),
+        "tip_pressure": ("1", lambda point: 1e3 * point[GAP]),
+        "void_critical_moisture_mean": ("1", lambda point: point[GAP]),
+    }
+    collected = made_up(tmp_path, ONE, dict(list(every.items())[:count]))
+    charts = sweep_effects(collected).axes
+    assert len(charts) == max(count, 1)
+    assert max(axes.get_position().x1 for axes in charts) > 0.95
+    assert len({axes.get_position().y0 for axes in charts}) == (2 if count == 4 else 1)
+    caption = effects_words(collected).caption
+    assert "A point for each case." in caption
 
 
 def test_one_at_a_time_has_effects_only(tmp_path):

@@ -102,6 +102,14 @@ def test_words_say_what_a_case_counts_and_where_it_is_lowest(tmp_path):
     assert "weighed" not in population_words(population(tmp_path, TABLE)).caption
 
 
+def test_cases_that_differ_in_no_fiber_are_no_population(tmp_path):
+    collected = population(tmp_path).rename({RATIO: "flow.gap"})
+    collected.attrs["sweep"] = collected.attrs["sweep"].replace(RATIO, "flow.gap")
+    caption = population_words(collected).caption
+    assert ", over 32 cases that differ in gap: median" in caption
+    assert "population" not in caption
+
+
 def names(collected):
     return [plate.name for plate in sweep_plates(collected)]
 

@@ -20,6 +20,7 @@ from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.study.claims.judge import claims
 from fibermelt.study.sweep.claims import swept_claims
+from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.table import sweep_table
 
 PARABOLA = next(one for one in claims() if one.id == "parabola")
@@ -187,6 +188,19 @@ def test_samples_have_quantiles_and_one_column(tmp_path):
     assert "all 16 cases" in words
     assert "16 cases: samples of a Sobol sequence, seed 3." in words
     assert "low 2.5 mm, high 4 mm" in words
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ({"high": "4 mm", "low": 0.002}, "uniform, low 0.002, high 4 mm"),
+        ({"std": 1, "between": [1, 9], "mean": 3}, "normal, mean 3, std 1, between 1 and 9"),
+        ({"shape": 2, "scale": 7}, "Weibull, scale 7, shape 2"),
+    ],
+)
+def test_a_distribution_is_told_from_low_to_high(entry, told):
+    """Files of a results folder have their entries by name."""
+    assert distribution_told("flow.gap", entry).startswith(told)
 
 
 def test_the_page_says_how_it_was_computed(tmp_path):

@@ -138,7 +138,7 @@ GRID = (
 def test_a_plan_has_one_flow_from_cold_and_scales_where_only_the_melt_differs(tmp_path):
     found = plan(tmp_path, GRID)
     kinds = sorted(job.kind for job in flows(found))
-    assert kinds == ["flow", "flow scaled", "flow scaled", "flow warm"]
+    assert kinds == ["flow", "flow from a neighbour", "flow scaled", "flow scaled"]
     for job in flows(found):
         if job.is_scaled:
             there = found.jobs[job.neighbour].case.changes

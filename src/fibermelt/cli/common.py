@@ -24,6 +24,7 @@ __all__ = [
     "SetOption",
     "StudyArgument",
     "WorkersOption",
+    "given_folder",
     "named_folder",
     "results_folder",
     "say",
@@ -104,6 +105,14 @@ def named_folder(out: str) -> Path:
         msg += "--out away"
         raise StoreError(msg)
     return Path(out)
+
+
+def given_folder(directory: str) -> Path:
+    """Return the results folder that a command is told to look at."""
+    if not directory.strip():
+        msg = 'DIR "": is no name of a folder; write that of a results folder, such as results/mine'
+        raise StoreError(msg)
+    return Path(directory)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +20,9 @@ from fibermelt.cli.common import (
     told,
 )
 from fibermelt.errors import ConfigError, legible
+
+if TYPE_CHECKING:
+    from fibermelt.study.parameters import Declaration
 
 __all__ = ["plan"]
 
@@ -68,7 +71,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
     from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in plan
     from fibermelt.study.parameters import declarations  # noqa: PLC0415
 
-    units = {item.key: item.unit for item in declarations(Config)}
+    known = {item.key: item for item in declarations(Config)}
     shape = " x ".join(map(str, listed["shape"]))
     lines = [
         f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
@@ -88,7 +91,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
         lines.append(f"to do           {_cost(listed['estimate'])}")
     for case in listed["each"][:LISTED]:
         point = ", ".join(
-            f"{key} = {_number(value, units[key])}" for key, value in case["point"].items()
+            f"{key} = {_number(value, known[key])}" for key, value in case["point"].items()
         )
         lines.append(f"{case['case']:>6}  {case['status']:<8}  {point}")
     if (more := len(listed["each"]) - LISTED) > 0:
@@ -116,7 +119,11 @@ def _size(size: float) -> str:
     return f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.0f} kB"
 
 
-def _number(value: object, unit: str) -> str:
+def _number(value: object, about: Declaration) -> str:
+    """Return a value as a person writes it: in the unit of its default."""
+    from fibermelt.study.sweep.table import DIGITS, written_in  # noqa: PLC0415  lazy, as in plan
+
     if isinstance(value, bool) or not isinstance(value, int | float):
         return legible(str(value))
-    return f"{value:g} {unit}".rstrip()
+    scale = written_in(about)
+    return f"{(value - scale.zero) / scale.size:.{DIGITS}g} {scale.unit}".rstrip()

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fibermelt.cli.common import JsonOption, say, told
+from fibermelt.cli.common import JsonOption, given_folder, say, told
 from fibermelt.errors import legible
 
 __all__ = ["report"]
@@ -31,7 +30,7 @@ def report(
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
 
-        folder = Path(directory)
+        folder = given_folder(directory)
         is_sweep = (folder / "sweep.json").exists()
         is_run = (folder / "stages" / "outputs.json").exists() or not is_sweep
         path = write_report(folder) if is_run else write_sweep_report(folder)

@@ -23,7 +23,7 @@ from fibermelt.cli.common import (
     SetOption,
     StudyArgument,
     WorkersOption,
-    named_folder,
+    given_folder,
     results_folder,
     say,
     told,
@@ -53,6 +53,9 @@ SchedulerOption = Annotated[
 RetryOption = Annotated[
     bool, typer.Option("--retry-failed", help="Try cases again that had no answer.")
 ]
+
+NETCDF = "sweep.nc"
+"""What the collected numbers are called in a results folder."""
 
 
 class _Ended(KeyboardInterrupt):
@@ -144,7 +147,7 @@ def resume(
         from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
         from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
 
-        folder = named_folder(directory)
+        folder = given_folder(directory)
         return *restored(CaseStore(folder)), folder
 
     _go(read, workers, scheduler, retry_failed, as_json)
@@ -209,7 +212,8 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
     with told():
         from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
 
-        found = sweep_status(Path(directory))
+        folder = given_folder(directory)
+        found = sweep_status(folder)
         if as_json:
             say(json.dumps(found, indent=1))
             return
@@ -225,7 +229,7 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
         lines += [f"damaged: {path}" for path in found["damaged"]]
         if found["pending"] or found["damaged"]:
-            lines.append(f"go on with fibermelt resume {_quoted(Path(directory))}")
+            lines.append(f"go on with fibermelt resume {_quoted(folder)}")
         say("\n".join(lines))
 
 
@@ -248,7 +252,7 @@ def clean(
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
         from fibermelt.study.sweep.status import list_unneeded, remove_unneeded  # noqa: PLC0415
 
-        folder = Path(directory)
+        folder = given_folder(directory)
         unneeded = list_unneeded(folder, CHAIN)
         size = sum(
             file.stat().st_size
@@ -297,8 +301,11 @@ def collect(
             write_zarr,
         )
 
-        folder = Path(directory)
-        path = Path(to) if to else folder / ("sweep.zarr" if zarr else "sweep.nc")
+        folder = given_folder(directory)
+        path = Path(to) if to else folder / ("sweep.zarr" if zarr else NETCDF)
+        if path.is_dir() and not zarr:
+            msg = f"--to {_shown(path)}: is a folder; name a file, such as {_quoted(path / NETCDF)}"
+            raise ConfigError(msg)
         dataset = collect_sweep(folder)
         (write_zarr if zarr else write_netcdf)(dataset, path)
         statuses = dataset["status"].to_numpy().ravel().tolist()

@@ -17,6 +17,7 @@ from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
 from fibermelt.study.messages import explain
 from fibermelt.study.parameters import excerpt
+from fibermelt.study.sweep.settings import SETTINGS
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
@@ -261,6 +262,10 @@ def _varying(over: str) -> tuple[str, object]:
         )
         raise ConfigError(msg)
     where = f"--over {legible(key)}"
+    if key.removeprefix("sweep.") in SETTINGS:
+        name = key.removeprefix("sweep.")
+        msg = f"{where}: is a setting and does not vary: write -s sweep.{name}={legible(text)}"
+        raise ConfigError(msg)
     entry = _override_value(text, where)
     if isinstance(entry, list | Mapping):
         return key, entry

@@ -31,6 +31,7 @@ from fibermelt.report.sweep.shares import (
     sweep_indices,
     sweep_quantiles,
 )
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.report.tables import number
 from fibermelt.study.sweep.effects import effect
@@ -50,6 +51,9 @@ ACROSS = 5
 LEFT, RIGHT, FOOT, TOP = 22.0, 2.0, 11.0, 3.0
 TALL, BETWEEN = 27.0, 4.0
 """Margins of the figure, height of a chart, and room between charts [mm]."""
+
+SIDE_BY_SIDE, LEFT_ALONE, ALONE = 3, 17.0, 42.0
+"""Charts in a row where one parameter varies, room for their numbers, and their height [mm]."""
 
 MANY_POINTS = 400
 """Points of a chart that are drawn as lines; more as dots, whose bytes do not grow with them."""
@@ -74,6 +78,8 @@ def sweep_effects(collected: xr.Dataset, first: int = 0) -> Figure:
 def _effects(collected: xr.Dataset, first: int) -> Figure:
     table = sweep_table(collected)
     axes, rows = table.axes[first : first + ACROSS], table.varying
+    if len(axes) == 1:
+        return _effects_of_one(table, axes[0])
     figure = new_figure(FULL, TOP + FOOT + len(rows) * TALL + (len(rows) - 1) * BETWEEN)
     wide = min(60.0, (FULL - LEFT - RIGHT - (len(axes) - 1) * BETWEEN) / len(axes))
     for row, response in enumerate(rows):
@@ -90,6 +96,24 @@ def _effects(collected: xr.Dataset, first: int) -> Figure:
                 chart.set_xlabel(textwrap.fill(axis.heading, max(12, int(0.65 * wide))))
             else:
                 chart.tick_params(labelbottom=False)
+    return figure
+
+
+def _effects_of_one(table: SweepTable, axis: Varied) -> Figure:
+    """Draw the responses against one parameter side by side: the width is there."""
+    rows = -(-len(table.varying) // SIDE_BY_SIDE)
+    across = -(-len(table.varying) // rows)
+    figure = new_figure(FULL, rows * (TOP + ALONE + FOOT))
+    step = FULL / across
+    for place, response in enumerate(table.varying):
+        row, column = divmod(place, across)
+        bottom = FOOT + (rows - 1 - row) * (TOP + ALONE + FOOT)
+        wide = step - LEFT_ALONE - RIGHT
+        chart = add_axes(figure, LEFT_ALONE + column * step, bottom, wide, ALONE)
+        _chart(chart, table, response, axis)
+        chart.locator_params(axis="y", nbins=5)
+        chart.set_ylabel(textwrap.fill(response.heading, 2 * LABEL_WIDTH), fontsize=6.5)
+        chart.set_xlabel(axis.heading)
     return figure
 
 
@@ -116,6 +140,7 @@ def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> 
         if table.groups:
             chart.plot(*_own(response, axis), linestyle="none", marker="D", **OWN)
     _y_range(chart, response)
+    plain_numbers(chart)
     if axis.labels:
         chart.set_xticks(range(len(axis.labels)), [label[:12] for label in axis.labels])
         chart.set_xlim(-0.3, len(axis.labels) - 0.7)
@@ -146,7 +171,7 @@ def effects_words(collected: xr.Dataset, first: int = 0) -> Words:
     axes = table.axes[first : first + ACROSS]
     names = ", ".join(axis.title for axis in axes)
     if table.is_sampled:
-        how = "A point for each case; all parameters vary at once."
+        how = "A point for each case" + ("; all vary at once." if len(table.axes) > 1 else ".")
     elif table.groups:
         how = (
             "One parameter varies at a time, all else is as in the study itself, the diamond. "

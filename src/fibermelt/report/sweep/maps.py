@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fibermelt.report.style import FULL, INK, OTHERS, SEQUENTIAL, Words, add_axes, new_figure
 from fibermelt.report.style import styled as in_style
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.tables import number
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 
@@ -98,7 +99,7 @@ def _map(axes: Axes, table: SweepTable, response: Response) -> None:
             color, size = ("white" if light else INK), (6.5 if np.isfinite(value) else 5.5)
             axes.text(column, row, text, ha="center", va="center", color=color, fontsize=size)
     else:
-        axes.figure.colorbar(axes.images[0], ax=axes, pad=0.02, fraction=0.06)
+        plain_numbers(axes.figure.colorbar(axes.images[0], ax=axes, pad=0.02, fraction=0.06).ax)
 
 
 def _ordered(values: Array) -> tuple[NDArray[np.intp], Array]:

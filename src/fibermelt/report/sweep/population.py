@@ -26,6 +26,7 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles
@@ -139,6 +140,7 @@ def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> No
     axes.plot(place[~steady], bands[1][~steady], "D", color=BLUE, mfc="white", markersize=3.5)
     axes.set_xlim(place[0] - 0.7, place[-1] + 0.7)
     axes.locator_params(axis="x", integer=True)
+    plain_numbers(axes)
     axes.set_xlabel("streamline, from the left edge")
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
@@ -164,6 +166,8 @@ def population_words(collected: xr.Dataset) -> Words:
     steady = _regular(collected)
     cases = int(np.count_nonzero(np.isfinite(values[0]).any(axis=1)))
     names = ", ".join(axis.title for axis in table.axes)
+    fibers = any(key.startswith("fiber.") for axis in table.axes for key in axis.keys)
+    over = "a population of " if fibers else ""
     weighed = (
         f" Dashed: the median with the cases {weighing_told(table.weighing)}."
         if table.weighing is not None
@@ -183,7 +187,7 @@ def population_words(collected: xr.Dataset) -> Words:
     return Words(
         caption=(
             "Lowest surface pressure less the melt's own by streamline, the mean over the initial "
-            f"angles of a fiber, over a population of {cases} cases that differ in {names}: median "
+            f"angles of a fiber, over {over}{cases} cases that differ in {names}: median "
             "and the band in which nine of ten cases lie, on each streamline for itself, above the "
             "middle of the capillary (Loc. 1) and below it (Loc. 2). Every case counts once. "
             f"{QUANTILE_RULE}{weighed}{flagged}{'.' if flagged else ''}"
@@ -197,7 +201,7 @@ def population_words(collected: xr.Dataset) -> Words:
 
 
 def _told(collected: xr.Dataset, steady: Which, values: Array, location: int) -> str:
-    """Return where the population's median is lowest, and how far it spreads there."""
+    """Return where the median over the cases is lowest, and how far it spreads there."""
     bands = np.where(steady, _bands(values), np.nan)
     if not np.isfinite(bands[1]).any():
         return f"Loc. {location}: no numbers."

@@ -25,9 +25,10 @@ from fibermelt.report.style import (
     new_figure,
 )
 from fibermelt.report.style import styled as in_style
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
-from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices
+from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 
@@ -112,6 +113,7 @@ def _distribution(axes: Axes, response: Response) -> None:
     axes.set_yticks([5, 50, 95])
     axes.margins(x=0.12)
     axes.locator_params(axis="x", nbins=4)
+    plain_numbers(axes)
     axes.set_xlabel(textwrap.fill(response.heading, 36))
 
 
@@ -130,7 +132,7 @@ def quantile_words(collected: xr.Dataset) -> Words:
         caption=(
             f"Share of the cases in which a response is lower, over {cases} cases, with the "
             "quantiles at 5, 50 and 95 %: how far the response spreads when the parameters are as "
-            f"uncertain as the study says. {QUANTILE_RULE}{_dashed(table)}"
+            f"uncertain as the study says. {QUANTILE_RULE}{_dashed(table)}{_without_indices(table)}"
         ),
         alt=" ".join(told),
     )
@@ -160,6 +162,20 @@ def all_indices(table: SweepTable) -> Found:
         return []
     found = [(one, sobol_indices(table, one)) for one in table.varying]
     return [(one, indices) for one, indices in found if indices is not None]
+
+
+def _without_indices(table: SweepTable) -> str:
+    """Return why responses have no indices, for each reason those that it keeps from them."""
+    if len(table.axes) == 1:
+        return ""
+    reasons: dict[str, list[str]] = {}
+    for one in table.varying:
+        if reason := why_no_indices(table, one):
+            reasons.setdefault(reason, []).append(one.title)
+    if [len(names) for names in reasons.values()] == [len(table.varying)]:
+        reason = next(iter(reasons))
+        return f" {reason[0].upper()}{reason[1:]}."
+    return "".join(f" {'; '.join(names)}: {reason}." for reason, names in reasons.items())
 
 
 def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:

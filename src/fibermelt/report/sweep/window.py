@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from fibermelt.report.scene import MM
 from fibermelt.report.style import FULL, Array, Words, add_axes, letter, new_figure, styled
+from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.study.sweep.window import GAP, SPEED, critical_moistures, drying_advice
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ def _lines(axes: Axes, collected: xr.Dataset, moisture: Array) -> None:
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
     axes.set_xlim(left=0.0)
+    plain_numbers(axes)
 
 
 def window_words(collected: xr.Dataset) -> Words:

@@ -102,7 +102,8 @@ def cases_told(found: SweepTable) -> Markup:
         The sweep.
     """
     count = {name: found.status.count(name) for name in ("done", "failed", "pending")}
-    words = f"{count['done']} of {len(found.status)} cases have an answer"
+    cases = "cases have" if len(found.status) != 1 else "case has"
+    words = f"{count['done']} of {len(found.status)} {cases} an answer"
     if count["failed"]:
         words += f", {count['failed']} failed"
     if count["pending"]:

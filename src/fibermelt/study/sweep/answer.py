@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.sweep.effects import effect
-from fibermelt.study.sweep.indices import sobol_indices
+from fibermelt.study.sweep.indices import sobol_indices, why_no_indices
 from fibermelt.study.sweep.quantiles import quantiles
 from fibermelt.study.sweep.table import SweepTable, sweep_table
 from fibermelt.study.sweep.window import drying_advice
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+    from numpy.typing import NDArray
 
     from fibermelt.study.sweep.responses import Response
+
+    Array = NDArray[np.float64]
 
 __all__ = ["answer_sweep"]
 
@@ -24,6 +28,9 @@ LEADS = ("void_critical_moisture_mean", "lowest_mean_2", "lowest_mean_1")
 
 TOLD = 3
 """Parameters whose effects are told: the strongest."""
+
+SHARED = 0.05
+"""Share of the cases at the median from which on words tell of it: those of one block are fewer."""
 
 
 def answer_sweep(collected: xr.Dataset) -> tuple[str, ...]:
@@ -87,7 +94,7 @@ def _effects(table: SweepTable, lead: Response) -> str:
             over = f"{axis.written(levels[first])} to {axis.written(levels[last])}"
             told = f"{axis.title} from {over}: {_number(lead, ends[0])} to {_number(lead, ends[1])}"
             found.append((float(np.ptp(mean[there])), told))
-    if not found:
+    if not found or (len(found) == 1 and _is_told(table, lead)):
         return ""
     found.sort(key=lambda one: -one[0])
     told = "; ".join(told for _, told in found[:TOLD])
@@ -97,25 +104,67 @@ def _effects(table: SweepTable, lead: Response) -> str:
     return f"{order}{told}{more}."
 
 
+def _is_told(table: SweepTable, lead: Response) -> bool:
+    """Tell whether the range of a response has said how it follows the only parameter."""
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    ends = {int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values))}
+    if len(table.axes) > 1 or (table.groups and 0 in ends):
+        return False
+    at = table.axes[0].values[np.isfinite(lead.values)]
+    return {float(table.axes[0].values[end]) for end in ends} == {float(at.min()), float(at.max())}
+
+
 def _spread(table: SweepTable, lead: Response) -> str:
     """Return the quantiles of the response, and what its variance is due to."""
     import numpy as np  # noqa: PLC0415  lazy: see above
 
-    low, middle, high = (_number(lead, float(value)) for value in quantiles(lead.values))
-    told = f"Half of the cases lie below {middle}, nine tenths between {low} and {high}"
+    low, _, high = (_number(lead, float(value)) for value in quantiles(lead.values))
+    told = f"{_half(lead, 'of the cases lie')}, nine tenths between {low} and {high}"
     if table.weighing is not None:
-        weighed = float(quantiles(lead.values, (0.5,), table.weighing.values)[0])
-        told += f"; weighed by {table.weighing.title}, half lies below {_number(lead, weighed)}"
+        half = _half(lead, "lies", table.weighing.values)
+        told += f"; weighed by {table.weighing.title}, {half[0].lower()}{half[1:]}"
     # Of one parameter alone its share is all of the variance.
-    indices = sobol_indices(table, lead) if len(table.axes) > 1 else None
-    if indices is None:
+    if len(table.axes) == 1:
         return f"{told}."
+    indices = sobol_indices(table, lead)
+    if indices is None:
+        reason = why_no_indices(table, lead)
+        return f"{told}; {reason}." if reason else f"{told}."
     shares = indices.first if indices.total is None else indices.total
     margins = indices.first_margin if indices.total_margin is None else indices.total_margin
     most = int(np.argmax(shares))
     kind = "first-order" if indices.total is None else "total"
     share = f"{kind} Sobol index {shares[most]:.2f} ± {margins[most]:.2f}"
     return f"{told}; {table.axes[most].title} accounts for most of that ({share})."
+
+
+def _half(lead: Response, lie: str, weights: Array | None = None) -> str:
+    """Return where the median is; of what many cases share their part, as none lie below it.
+
+    Parameters
+    ----------
+    lead : Response
+        The response.
+    lie : str
+        What half of the cases do.
+    weights : (cases,) ndarray, optional
+        What each case counts; all alike if left out.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    there = np.isfinite(lead.values)
+    values = lead.values[there]
+    counted = np.ones(len(values)) if weights is None else weights[there]
+    middle = float(quantiles(lead.values, (0.5,), weights)[0])
+    same = np.abs(values - middle) <= lead.same * np.max(np.abs(values))
+    share = float(counted[same].sum() / counted.sum())
+    if np.count_nonzero(same) < 2 or share < SHARED:
+        return f"Half {lie} below {_number(lead, middle)}"
+    if not same[[np.argmin(values), np.argmax(values)]].any():
+        return f"Half {lie} at or below {_number(lead, middle)}"
+    end = "lowest" if same[np.argmin(values)] else "highest"
+    return f"{100 * share:.3g} % {lie} at {_number(lead, middle)}, the {end} value"
 
 
 def _number(lead: Response, value: float) -> str:

@@ -19,7 +19,6 @@ from itertools import pairwise
 from typing import Any, NoReturn
 
 from fibermelt.errors import ConfigError
-from fibermelt.study.messages import unknown_key
 from fibermelt.study.parameters import Declaration, excerpt
 from fibermelt.study.sweep.distributions import (
     Distribution,
@@ -31,6 +30,7 @@ from fibermelt.study.sweep.distributions import (
     Uniform,
     Weibull,
 )
+from fibermelt.study.sweep.refusals import refuse_range, refuse_repeated, refuse_unknown
 from fibermelt.units import parse, parse_difference
 
 __all__ = ["DISTRIBUTIONS", "MOST_CASES", "Axis", "read_axis"]
@@ -108,8 +108,7 @@ def read_axis(name: str, entry: object, known: Mapping[str, Declaration]) -> Axi
     keys = tuple(key.strip() for key in name.split(","))
     for key in keys:
         if key not in known:
-            msg = f"sweep.{unknown_key(key, known)}"
-            raise ConfigError(msg)
+            refuse_unknown(key, known)
         if key == "study.parts":
             msg = "sweep: study.parts cannot vary: every case has the same results"
             raise ConfigError(msg)
@@ -118,17 +117,18 @@ def read_axis(name: str, entry: object, known: Mapping[str, Declaration]) -> Axi
         if len(keys) > 1:
             msg = f"{shown}: keys that vary together need a list of their values"
             raise ConfigError(msg)
+        refuse_range(shown, entry, known[keys[0]])
         return _Table(shown, entry, known[keys[0]].unit).axis(keys[0])
     if not isinstance(entry, list) or not entry:
         msg = f"{shown} = {excerpt(entry)}: must be a list of values, or a range"
         raise ConfigError(msg)
-    if len(keys) == 1:
-        return Axis(keys, tuple((value,) for value in entry))
     for value in entry:
-        if not isinstance(value, list) or len(value) != len(keys):
+        if len(keys) > 1 and (not isinstance(value, list) or len(value) != len(keys)):
             msg = f"{shown}: {excerpt(value)}: must be a list of {len(keys)} values"
             raise ConfigError(msg)
-    return Axis(keys, tuple(tuple(value) for value in entry))
+    values = tuple((value,) if len(keys) == 1 else tuple(value) for value in entry)
+    refuse_repeated(shown, values, [known[key].unit for key in keys])
+    return Axis(keys, values)
 
 
 @dataclass(frozen=True)
@@ -175,6 +175,12 @@ class _Table:
         if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_CASES:
             self._refuse(f": count = {excerpt(count)}: must be a whole number, 2 to {MOST_CASES}")
         low, high = self._number("from"), self._number("to")
+        if low == high:
+            first, last = (excerpt(self.entry[name]) for name in ("from", "to"))
+            self._refuse(
+                f": from = {first}, to = {last}: are the same value: let them differ, or give a "
+                "list of one"
+            )
         values = tuple((low + (high - low) * k / (count - 1),) for k in range(count))
         return Axis((key,), values, Uniform(low, high))
 

@@ -121,7 +121,7 @@ def write_zarr(dataset: xr.Dataset, path: Path) -> None:
             raise StoreError(msg)
         try:
             # Format 3 has no settled way to store texts, as zarr warns.
-            dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=2)
+            dataset.to_zarr(temporary, mode="w", consolidated=True, zarr_format=2)
             if path.exists():
                 path.rename(old)
             temporary.rename(path)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from fibermelt.errors import StoreError
 from fibermelt.study.files import canonical, digest, read_sealed, replace_file
 from fibermelt.study.store import Record, Store
+from fibermelt.study.sweep.plan import FROM_NEIGHBOUR
 from fibermelt.study.sweep.record import read_asked
 from fibermelt.study.sweep.store import CaseStore
 
@@ -261,7 +262,7 @@ def _kind(record: Record, plan: Plan) -> str:
     job = plan.jobs.get(record.key)
     if not record.neighbour:
         return record.stage
-    return job.kind if job is not None else f"{record.stage} warm"
+    return job.kind if job is not None else f"{record.stage}{FROM_NEIGHBOUR}"
 
 
 def _averaged(several: Mapping[str, list[float]]) -> dict[str, float]:

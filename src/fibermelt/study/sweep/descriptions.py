@@ -12,6 +12,9 @@ from fibermelt.study.sweep.distributions import Truncated
 
 __all__ = ["distribution_told"]
 
+ORDER = ("low", "high", "mean", "std", "median", "factor", "scale", "shape")
+"""In which the entries of a table are told: files that were written by machine have others."""
+
 
 def distribution_told(key: str, entry: object) -> str:
     """Return what a key of ``[sweep]`` samples; empty for a list and for a range.
@@ -33,7 +36,7 @@ def distribution_told(key: str, entry: object) -> str:
         edges, counts = given["edges"], given["counts"]
         told = f"measured, {len(counts)} bins from {edges[0]} to {edges[-1]}"
     else:
-        told = f"{kind}, " + ", ".join(f"{name} {value}" for name, value in given.items())
+        told = f"{kind}, " + ", ".join(f"{name} {given[name]}" for name in ORDER if name in given)
     return told + _cut(key, entry)
 
 

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -30,20 +30,14 @@ from fibermelt.study.files import canonical, digest
 from fibermelt.study.loading import resolve
 from fibermelt.study.parameters import Value, declarations, excerpt, flatten
 from fibermelt.study.sweep.axes import MOST_CASES, Axis, read_axis
+from fibermelt.study.sweep.distributions import Uniform
+from fibermelt.study.sweep.settings import SAMPLED, SETTINGS, Design, read_settings
 
 if TYPE_CHECKING:
     from fibermelt.study.loading import Study
     from fibermelt.study.parameters import Section
 
 __all__ = ["SAMPLED", "SETTINGS", "Case", "Sweep", "read_sweep"]
-
-Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol", "saltelli"]
-DESIGNS: tuple[str, ...] = get_args(Design)
-SAMPLED = ("latin-hypercube", "sobol", "saltelli")
-"""Designs whose cases are samples of distributions."""
-
-SETTINGS = ("design", "samples", "seed", "weight")
-"""Keys of the table that are no parameters."""
 
 
 @dataclass(frozen=True)
@@ -222,11 +216,14 @@ class Sweep:
         """Return how a sample comes to lie within the bounds that it has left."""
         if self.design not in SAMPLED:
             return ""
-        beyond = [axis.name for axis in self.axes if f"{axis.name} = " in fault]
-        return "".join(
-            f'; sweep."{name}" is a distribution: cut it off with {{ ..., between = [low, high] }}'
-            for name in beyond
-        )
+        ways = []
+        for axis in self.axes:
+            if f"{axis.name} = " in fault:
+                way = "is a distribution: cut it off with { ..., between = [low, high] }"
+                if isinstance(axis.distribution, Uniform):
+                    way = "is sampled from end to end: narrow it"
+                ways.append(f'; sweep."{axis.name}" {way}')
+        return "".join(ways)
 
 
 def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
@@ -258,44 +255,18 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     if twice := sorted({key for key in seen if seen.count(key) > 1}):
         msg = f"sweep: {twice[0]} varies twice: name it once"
         raise ConfigError(msg)
-    design = table.get("design", "grid")
-    if design not in DESIGNS:
-        choices = " or ".join(f'"{name}"' for name in DESIGNS)
-        msg = f'sweep.design = "{excerpt(design)}": must be {choices}'
-        raise ConfigError(msg)
+    settings = read_settings(table, axes)
     sweep = Sweep(
         tables=study.tables,
         axes=axes,
-        design=design,
-        samples=_whole(table, "samples", 0),
-        seed=_whole(table, "seed", 0),
-        weight=_weight(table, design, axes),
+        design=settings.design,
+        samples=settings.samples,
+        seed=settings.seed,
+        weight=settings.weight,
         is_cold=cold,
     )
     _fits(sweep)
     return sweep
-
-
-def _whole(table: Mapping[str, Any], name: str, default: int) -> int:
-    value = table.get(name, default)
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        msg = f"sweep.{name} = {excerpt(value)}: must be a whole number, at least 0"
-        raise ConfigError(msg)
-    return value
-
-
-def _weight(table: Mapping[str, Any], design: str, axes: Sequence[Axis]) -> str:
-    """Return the key by whose value cases are weighed."""
-    weight = table.get("weight", "")
-    if "weight" not in table:
-        return ""
-    names = [axis.name for axis in axes]
-    if design not in SAMPLED or weight not in names:
-        msg = f'sweep.weight = "{excerpt(weight)}": must be one of the keys that are sampled' + (
-            f", such as {names[0]}" if design in SAMPLED else "; a grid has no population"
-        )
-        raise ConfigError(msg)
-    return str(weight)
 
 
 def _fits(sweep: Sweep) -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["FEWEST_CASES", "Indices", "sobol_indices"]
+__all__ = ["FEWEST_CASES", "Indices", "sobol_indices", "why_no_indices"]
 
 HARMONICS = 10
 """Harmonics of RBD-FAST: the number of its authors and of SALib."""
@@ -79,11 +79,53 @@ def sobol_indices(table: SweepTable, response: Response) -> Indices | None:
     response : Response
         One of its responses; one that does not vary has none.
     """
-    if not response.varies:
+    if not response.varies or why_no_indices(table, response):
         return None
     if table.design == "saltelli":
         return _saltelli(table, response.values)
     return _given_data(table, response.values) if table.is_sampled else None
+
+
+def why_no_indices(table: SweepTable, response: Response) -> str:
+    """Return why samples are too few for the indices of a response; empty if they are not.
+
+    Parameters
+    ----------
+    table : SweepTable
+        The sweep; of a grid and of one at a time there is nothing to say.
+    response : Response
+        One of its responses.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+    if table.design == "saltelli":
+        blocks = _blocks(table, response.values)
+        whole = int(np.count_nonzero(np.isfinite(blocks).all(axis=1)))
+        if whole >= FEWEST_BLOCKS:
+            return ""
+        many, each = len(blocks), blocks.shape[1]
+        more = "take more samples" if many < FEWEST_BLOCKS else RETRY
+        return (
+            f"no Sobol indices, which need {FEWEST_BLOCKS} blocks of {each} cases that all have "
+            f"an answer: {whole} of {many} are such; {more}"
+        )
+    there = int(np.count_nonzero(np.isfinite(response.values)))
+    if not table.is_sampled or there >= FEWEST_CASES:
+        return ""
+    more = "take more samples" if len(response.values) < FEWEST_CASES else RETRY
+    return (
+        f"no Sobol indices, which need {FEWEST_CASES} cases with an answer: {there} of "
+        f"{len(response.values)} have one; {more}"
+    )
+
+
+RETRY = "finish the sweep, see why cases failed, or take more samples"
+"""What helps where there are samples enough, but not answers."""
+
+
+def _blocks(table: SweepTable, values: Array) -> Array:
+    """Return the cases of a Saltelli design by blocks that differ in one parameter each."""
+    return values.reshape(-1, len(table.axes) + 2)
 
 
 def _saltelli(table: SweepTable, values: Array) -> Indices | None:
@@ -91,9 +133,9 @@ def _saltelli(table: SweepTable, values: Array) -> Indices | None:
     import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
     from SALib.analyze import sobol  # noqa: PLC0415  lazy: 0.8 s
 
-    blocks = values.reshape(-1, len(table.axes) + 2)
+    blocks = _blocks(table, values)
     whole = blocks[np.isfinite(blocks).all(axis=1)]
-    if len(whole) < FEWEST_BLOCKS or not np.ptp(whole):
+    if not np.ptp(whole):
         return None
     found = sobol.analyze(
         _problem(table),
@@ -108,14 +150,12 @@ def _saltelli(table: SweepTable, values: Array) -> Indices | None:
     return Indices("saltelli", whole.size, first, margin, total, total_margin)
 
 
-def _given_data(table: SweepTable, values: Array) -> Indices | None:
+def _given_data(table: SweepTable, values: Array) -> Indices:
     """Return first-order indices from samples of whatever design."""
     import numpy as np  # noqa: PLC0415  lazy: see above
     from SALib.analyze import rbd_fast  # noqa: PLC0415  0.8 s
 
     there = np.isfinite(values)
-    if np.count_nonzero(there) < FEWEST_CASES:
-        return None
     found = rbd_fast.analyze(
         _problem(table),
         np.stack([axis.values[there] for axis in table.axes], axis=1),

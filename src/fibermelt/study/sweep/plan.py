@@ -25,7 +25,10 @@ if TYPE_CHECKING:
     from fibermelt.study.stages import Stage
     from fibermelt.study.sweep.design import Sweep
 
-__all__ = ["Job", "Plan", "PlannedCase", "plan_sweep"]
+__all__ = ["FROM_NEIGHBOUR", "Job", "Plan", "PlannedCase", "plan_sweep"]
+
+FROM_NEIGHBOUR = " from a neighbour"
+"""What is added to the name of a stage that starts from the result of another case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ class Job:
     @property
     def kind(self) -> str:
         """Return what is done, in words: what has one kind costs about the same."""
-        start = " scaled" if self.is_scaled else " warm" if self.neighbour else ""
+        start = " scaled" if self.is_scaled else FROM_NEIGHBOUR if self.neighbour else ""
         return f"{self.stage}{start}"
 
 

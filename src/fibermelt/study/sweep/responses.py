@@ -21,6 +21,9 @@ MM, MPA, PERCENT = 1e3, 1e-6, 100.0
 SAME = 1e-6
 """Relative range below which a response is the same in all cases: solvers go to 1e-8 or so."""
 
+SAME_STEPS = 10.0
+"""The same in tolerances of the flow, if that is more: bead heights differ by up to 2 of them."""
+
 ENOUGH, MOST = 3, 6
 """With fewer responses than this others are looked for, until there are so many."""
 
@@ -47,6 +50,8 @@ class Response:
         The number of each case [unit]; NaN where there is none.
     meaning : str
         What it is, in a sentence's part; empty where the title says it all.
+    same : float
+        Relative range below which its values are the same.
     """
 
     name: str
@@ -54,6 +59,7 @@ class Response:
     unit: str
     values: Array
     meaning: str = ""
+    same: float = SAME
 
     @property
     def heading(self) -> str:
@@ -66,7 +72,7 @@ class Response:
         import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
 
         there = self.values[np.isfinite(self.values)]
-        return there.size > 1 and bool(np.ptp(there) > SAME * np.max(np.abs(there)))
+        return there.size > 1 and bool(np.ptp(there) > self.same * np.max(np.abs(there)))
 
 
 def _plain(name: str) -> Callable[[xr.Dataset], xr.DataArray | None]:
@@ -147,7 +153,10 @@ MEANINGS = {
 
 
 def responses_of(
-    collected: xr.Dataset, dimensions: Sequence[str], varied: Sequence[str] = ()
+    collected: xr.Dataset,
+    dimensions: Sequence[str],
+    varied: Sequence[str] = (),
+    tolerance: float = 0.0,
 ) -> tuple[Response, ...]:
     """Return what the cases of a collected sweep are compared by.
 
@@ -161,22 +170,25 @@ def responses_of(
         The dimensions of its cases.
     varied : sequence of str
         Keys of what varied: a number of that name only repeats it, and is no response.
+    tolerance : float
+        Of the flows [-], ``numerics.flow_tolerance``: what differs by it is the same.
     """
+    same = max(SAME, SAME_STEPS * tolerance)
     found: list[Response] = []
     for name, title, unit, factor, find in RESPONSES:
         values = find(collected)
         if values is not None and set(values.dims) == set(dimensions):
             numbers = factor * _flat(values, dimensions)
-            found.append(Response(name, title, unit, numbers, MEANINGS.get(name, "")))
+            found.append(Response(name, title, unit, numbers, MEANINGS.get(name, ""), same))
     if len([one for one in found if one.varies]) < ENOUGH:
         known = {key.rpartition(".")[2] for key in varied} | {one.name for one in found}
         room = MOST - len(found)
-        found += _others(collected, dimensions, known)[: max(0, room)]
+        found += _others(collected, dimensions, known, same)[: max(0, room)]
     return tuple(found)
 
 
 def _others(
-    collected: xr.Dataset, dimensions: Sequence[str], known: Collection[str]
+    collected: xr.Dataset, dimensions: Sequence[str], known: Collection[str], same: float
 ) -> list[Response]:
     """Return other numbers of a case that vary, by name."""
     found = []
@@ -187,7 +199,8 @@ def _others(
             continue
         unit = str(values.attrs.get("units", "1"))
         title = name.replace("_", " ").capitalize()
-        one = Response(name, title, "" if unit == "1" else unit, _flat(values, dimensions))
+        numbers = _flat(values, dimensions)
+        one = Response(name, title, "" if unit == "1" else unit, numbers, same=same)
         if one.varies:
             found.append(one)
     return found

@@ -89,7 +89,7 @@ def run_sweep(
     """
     began = time.perf_counter()
     observer = observer or Silent()
-    observer.step("sweep", f"{sweep.count} cases")
+    observer.step("sweep", _cases(sweep.count))
     plan = plan_sweep(sweep, study, chain)
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
@@ -107,7 +107,7 @@ def run_sweep(
     summary = work.summary()
     write_progress(cases, replace(work.progress(), wall_s=summary["wall_s"]))
     observer.done(
-        "sweep", f"{summary['done']} of {summary['cases']} cases done, {summary['failed']} failed"
+        "sweep", f"{summary['done']} of {_cases(summary['cases'])} done, {summary['failed']} failed"
     )
     return summary
 
@@ -264,3 +264,7 @@ class _Run:
             "reused_stages": self.reused,
             "wall_s": time.perf_counter() - self.began,
         }
+
+
+def _cases(count: int) -> str:
+    return f"{count} case{'' if count == 1 else 's'}"

@@ -7,7 +7,7 @@ come in the order of its axes, the last one fastest; of any other design as they
 from __future__ import annotations
 
 import json
-import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["DIGITS", "SweepTable", "Varied", "sweep_table"]
+__all__ = ["DIGITS", "Scale", "SweepTable", "Varied", "sweep_table", "written_in"]
+
+TOLERANCE = "numerics.flow_tolerance"
 
 DIGITS = 5
 """Significant digits of a value in a label: as many as anybody writes."""
@@ -164,9 +166,23 @@ def sweep_table(collected: xr.Dataset) -> SweepTable:
         groups=_groups(entries) if design == "one-at-a-time" else (),
         status=tuple(map(str, status)),
         reason=tuple(map(str, _flat(collected, "reason", dimensions))),
-        responses=responses_of(collected, dimensions, [key for one in keys for key in one]),
+        responses=responses_of(
+            collected,
+            dimensions,
+            [key for one in keys for key in one],
+            _flow_tolerance(collected),
+        ),
         weighing=next((axis for axis in axes if axis.keys == (asked.get("weight"),)), None),
     )
+
+
+def _flow_tolerance(collected: xr.Dataset) -> float:
+    """Return the tolerance of the flows [-], the largest if it varies; 0 if nothing tells it."""
+    if TOLERANCE in collected:
+        return float(collected[TOLERANCE].max())
+    section, _, name = TOLERANCE.partition(".")
+    written = tomllib.loads(str(collected.attrs.get("config", ""))).get(section, {})
+    return float(written.get(name, 0.0))
 
 
 def _in_words(error: Exception) -> str:
@@ -214,8 +230,9 @@ def _axes(
             title += " with " + ", ".join(key.partition(".")[2] for key in together[1:])
         title = title.replace("_", " ").replace(".", " ")
         if flat.dtype.kind == "f":
-            unit, factor = _unit(about)
-            found.append(Varied(together, title, unit, flat / factor))
+            scale = written_in(about)
+            values = (flat - scale.zero) / scale.size
+            found.append(Varied(together, title, scale.unit, values))
         else:
             labels = tuple(dict.fromkeys(map(str, flat)))
             at = np.array([labels.index(str(value)) for value in flat], dtype=float)
@@ -223,11 +240,27 @@ def _axes(
     return tuple(found)
 
 
-def _unit(about: Declaration) -> tuple[str, float]:
-    """Return the unit that a parameter's default is written in, and its size in SI."""
+@dataclass(frozen=True)
+class Scale:
+    """The unit that values of a parameter are told in: ``size`` and ``zero`` of it in SI."""
+
+    unit: str
+    size: float = 1.0
+    zero: float = 0.0
+
+
+def written_in(about: Declaration) -> Scale:
+    """Return the unit that a parameter's default is written in.
+
+    Parameters
+    ----------
+    about : Declaration
+        The parameter.
+    """
     if not about.unit:
-        return "", 1.0
+        return Scale("")
     written = about.written[0] if isinstance(about.written, list) else about.written
     unit = str(about.example if written is None else written).partition(" ")[2] or about.unit
-    size = parse(f"1 {unit}", about.unit)
-    return ("°" if unit == "deg" else unit), size if math.isfinite(size) else 1.0
+    # Degrees Celsius have a zero of their own.
+    zero, one = (parse(f"{count} {unit}", about.unit) for count in (0, 1))
+    return Scale({"deg": "°", "degC": "°C"}.get(unit, unit), one - zero, zero)
