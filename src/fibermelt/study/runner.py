@@ -181,7 +181,7 @@ class _Run:
         # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
         with threadpool_limits(limits=1, user_api="blas"):
             inputs = {name: data[name] for name in fed}
-            dataset = stage.begin(parameters, inputs, self._say(stage), like)
+            dataset, neighbour = stage.begin(parameters, inputs, self._say(stage), like)
         record = Record(
             stage=stage.name,
             version=stage.version,
@@ -192,7 +192,7 @@ class _Run:
             data="",
             software=software_versions(),
             processor=time.process_time() - busy,
-            neighbour="" if like is None else like.key,
+            neighbour=neighbour,
         )
         return record, dataset
 
