@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError
 from fibermelt.study.progress import Observer, Silent, duration
 from fibermelt.study.runner import software_versions
+from fibermelt.study.schema import has_lost_mark
 from fibermelt.study.stages import stage_parameters
 from fibermelt.study.sweep.agenda import AHEAD, Agenda, Item
 from fibermelt.study.sweep.cost import Progress, read_progress, write_progress
@@ -91,6 +92,8 @@ def run_sweep(
     observer = observer or Silent()
     observer.step("sweep", f"{sweep.count} cases")
     plan = plan_sweep(sweep, study, chain)
+    if has_lost_mark(directory):
+        observer.done("store", "stages/store.json was missing or damaged: written anew")
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
     cases.forget_failures(lasting=retry_failed)
