@@ -1,11 +1,14 @@
 """Addresses of schedulers that are none are refused, and so are numbers of workers."""
 
+import re
 import socket
 import threading
 from contextlib import contextmanager
 
 import pytest
+from typer.testing import CliRunner
 
+from fibermelt.cli import app
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep import schedulers
 from fibermelt.study.sweep.pools import MOST_PER_CORE, cores, open_pool
@@ -93,8 +96,11 @@ def test_a_worker_of_dask_is_no_scheduler(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("workers", [-1, MOST_PER_CORE * cores() + 1, 10**9])
 def test_a_number_of_workers_that_was_meant_otherwise_is_refused(tmp_path, workers):
-    with (
-        pytest.raises(ConfigError, match=rf"--workers {workers}: must be at (most|least)"),
-        open_pool(workers, None, tmp_path),
-    ):
+    message = rf"--workers {workers}: must be at (most|least)"
+    with pytest.raises(ConfigError, match=message), open_pool(workers, None, tmp_path):
         pass
+    given = ["sweep", "nozzle", "--out", str(tmp_path / "out"), "--workers", str(workers)]
+    told = CliRunner().invoke(app, given)
+    assert (told.exit_code, told.stdout) == (2, "")
+    assert re.search(message, told.stderr)
+    assert not (tmp_path / "out").exists()

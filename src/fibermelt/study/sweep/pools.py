@@ -23,7 +23,7 @@ from fibermelt.study.sweep.schedulers import CONNECT, connect, distributed
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
-__all__ = ["Died", "Pool", "cores", "open_pool"]
+__all__ = ["Died", "Pool", "cores", "open_pool", "refuse_workers"]
 
 COUNT_AGAIN = 5.0
 """Time [s] after which the workers are counted again: on a cluster they come and go."""
@@ -157,6 +157,29 @@ def _on_worker(task: Task) -> list[Outcome]:
         return fulfil(task)
 
 
+def refuse_workers(workers: int | None, scheduler: str | None) -> None:
+    """Refuse what no pool can be opened with, before anything is written.
+
+    Raises
+    ------
+    ConfigError
+        If both are given, or too few or too many workers.
+    """
+    if workers is not None and scheduler is not None:
+        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
+        raise ConfigError(msg)
+    if workers is not None and workers < 0:
+        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
+        raise ConfigError(msg)
+    if workers is not None and workers > MOST_PER_CORE * cores():
+        msg = (
+            f"--workers {workers}: must be at most {MOST_PER_CORE * cores()} ({MOST_PER_CORE} for "
+            f"each of {cores()} cores): each is a process of its own, and more than cores bring "
+            "nothing; leave it away for one for each core"
+        )
+        raise ConfigError(msg)
+
+
 @contextmanager
 def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Iterator[Pool]:
     """Yield who does the tasks of a sweep.
@@ -179,19 +202,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
     FibermeltError
         If the scheduler does not answer.
     """
-    if workers is not None and scheduler is not None:
-        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
-        raise ConfigError(msg)
-    if workers is not None and workers < 0:
-        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
-        raise ConfigError(msg)
-    if workers is not None and workers > MOST_PER_CORE * cores():
-        msg = (
-            f"--workers {workers}: must be at most {MOST_PER_CORE * cores()} ({MOST_PER_CORE} for "
-            f"each of {cores()} cores): each is a process of its own, and more than cores bring "
-            "nothing; leave it away for one for each core"
-        )
-        raise ConfigError(msg)
+    refuse_workers(workers, scheduler)
     if workers == 0:
         forget()
         yield _Here()
