@@ -31,6 +31,9 @@ SWEPT = """preset = "paper"
 CASES, FAILED = 96, 24
 """Of `SWEPT`: a gap of 2 mm has no answer, whatever the fiber."""
 
+LEADS_NOWHERE = 4.7e-3
+"""A gap [m] whose flow no neighbour leads to."""
+
 PAYLOAD = 2000
 """Numbers that a flow writes beside what is asked of it: 16 kB, so that a disk can fill."""
 
@@ -63,10 +66,15 @@ def flow(parameters: Parameters, inputs: object, say: object) -> xr.Dataset:
 
 def flow_from(
     parameters: Parameters, inputs: object, say: object, neighbour: Neighbour
-) -> xr.Dataset:
-    """Find what is found from cold, and tell from where it started, and that from where."""
+) -> tuple[xr.Dataset, bool]:
+    """Find what is found from cold, and tell from where it started, and that from where.
+
+    Where it leads nowhere the flow is that from cold.
+    """
     found = flow(parameters, inputs, say)
-    return found.assign(trace=found["trace"] + 1e-2 * neighbour.data["trace"].values)
+    if parameters["flow.gap"] == LEADS_NOWHERE:
+        return found, False
+    return found.assign(trace=found["trace"] + 1e-2 * neighbour.data["trace"].values), True
 
 
 def cell(parameters: Parameters, inputs: object, say: object) -> xr.Dataset:

@@ -77,9 +77,24 @@ def test_a_stage_that_cannot_be_read_is_not_taken_for_a_damaged_one(tmp_path, mo
         fakes.run(tmp_path / "out")
 
 
+@pytest.mark.parametrize("text", ['{"sch', None])
+def test_a_lost_marker_is_written_anew_where_anything_is_whole(tmp_path, text):
+    fakes.run(tmp_path / "out")
+    marker = tmp_path / "out/stages/store.json"
+    whole = marker.read_bytes()
+    marker.unlink() if text is None else marker.write_text(text)
+    notes = fakes.run(tmp_path / "out").lines
+    assert notes == [
+        "store: stages/store.json was missing or damaged: written anew",
+        "study: nothing has changed: all results are up to date",
+    ]
+    assert marker.read_bytes() == whole
+
+
 def test_a_damaged_marker_is_named_and_fresh_mends_it(tmp_path):
     fakes.run(tmp_path / "out")
-    (tmp_path / "out/stages/store.json").write_text('{"sch')
+    for path in (tmp_path / "out/stages").glob("**/*.json"):
+        path.write_text('{"sch')
     with pytest.raises(StoreError, match=r"store\.json: is damaged.*--fresh"):
         fakes.run(tmp_path / "out")
     fakes.run(tmp_path / "out", fresh=True)

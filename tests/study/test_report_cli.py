@@ -93,7 +93,9 @@ def test_another_schema(folder):
     (folder / "stages/store.json").write_text('{"schema": 99}')
     assert refused(report(folder), "schema 99", "reads 1")
     (folder / "stages/store.json").write_text("{")
-    assert refused(report(folder), "store.json", "is damaged")
+    assert refused(report(folder), "store.json", "is damaged", "move it away and run the study")
+    (folder / "stages/store.json").unlink()
+    assert refused(report(folder), "store.json: is missing", "fibermelt run STUDY --out")
 
 
 def test_a_report_that_cannot_be_written_leaves_the_old_one(folder, monkeypatch):

@@ -9,6 +9,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,8 +19,11 @@ from pathlib import Path
 
 import fake_sweeps
 import pytest
+from typer.testing import CliRunner
 
+from fibermelt.cli import app
 from fibermelt.errors import StoreError
+from fibermelt.study.files import canonical, digest
 from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
 
@@ -299,6 +303,61 @@ def test_a_torn_file_is_known_and_mended(tmp_path, study, undisturbed, name, tea
         assert sum("was damaged" in line for line in said) == 1
     fake_sweeps.assert_same(out, undisturbed)
     assert sweep_status(out)["damaged"] == []
+
+
+LOST = (["stages/store.json"], ["sweep.json"], ["sweep.json", "stages/store.json"])
+
+
+@pytest.mark.parametrize("names", LOST)
+@pytest.mark.parametrize("lose", [Path.unlink, truncate], ids=["gone", "torn"])
+def test_a_sweep_that_lost_what_it_is_goes_on(
+    tmp_path, study, undisturbed, names, lose, monkeypatch
+):
+    """A study run into the folder again finds all that is finished, and says what it mended."""
+    out, log = tmp_path / "out", tmp_path / "log"
+    shutil.copytree(undisturbed, out)
+    for name in names:
+        lose(out / name)
+    monkeypatch.setenv("FAKE_LOG", str(log))
+    summary, said = fake_sweeps.sweep(study, out)
+    assert (summary["done"], summary["failed"]) == (72, 24)
+    assert computed(log) == []
+    told = "store: stages/store.json was missing or damaged: written anew"
+    assert (told in said) is ("stages/store.json" in names)
+    fake_sweeps.assert_same(out, undisturbed)
+
+
+@pytest.mark.parametrize("command", ["resume", "status", "collect", "report", "clean"])
+@pytest.mark.parametrize("with_mark", [True, False])
+def test_a_sweep_without_what_was_asked_says_how_to_get_it_back(
+    tmp_path, undisturbed, command, with_mark
+):
+    out = tmp_path / "out"
+    shutil.copytree(undisturbed, out)
+    (out / "sweep.json").unlink()
+    if not with_mark:
+        (out / "stages/store.json").unlink()
+    told = CliRunner().invoke(app, [command, str(out)])
+    assert told.exit_code == 2
+    assert told.stderr == (
+        f"error: {out}/sweep.json: is missing; run fibermelt sweep STUDY --out {out} again to "
+        "write it anew: finished cases are kept\n"
+    )
+
+
+def test_a_folder_that_nothing_whole_is_in_is_not_taken_for_a_sweep(tmp_path, study):
+    out = tmp_path / "out"
+    (out / "cases").mkdir(parents=True)
+    (out / "cases/progress.json").write_text("{}")
+    with pytest.raises(StoreError, match="holds cases, which no run of fibermelt keeps track of"):
+        fake_sweeps.sweep(study, out)
+    (out / "sweep.json").write_text(json.dumps(sealed({"schema": 2})))
+    with pytest.raises(StoreError, match=r"holds sweep\.json, which no run"):
+        fake_sweeps.sweep(study, out)
+
+
+def sealed(content):
+    return {"content": content, "sha256": digest(canonical(content))}
 
 
 def test_a_torn_batch_is_never_collected(tmp_path, study):

@@ -13,8 +13,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import fake_sweeps
+import fakes
 import pytest
+from typer.testing import CliRunner
 
+from fibermelt.cli import app
 from fibermelt.study.sweep.pools import open_pool
 
 PATIENCE = 60.0
@@ -22,7 +25,7 @@ PATIENCE = 60.0
 
 COMMAND = """import fake_sweeps, fibermelt.study.chain
 fibermelt.study.chain.CHAIN = fake_sweeps.CHAIN
-from fibermelt.cli import main
+from fibermelt.__main__ import main
 main()
 """
 """The command line with the chain that costs what it is told to."""
@@ -95,6 +98,55 @@ def test_control_c_is_answered_by_one_line(tmp_path, times):
     out = tmp_path / "out"
     assert last == f"interrupted: finished cases are kept, fibermelt resume {out} goes on"
     assert not any(map(is_alive, workers(tmp_path)))
+
+
+LOADING = """import os, signal, sys
+class Presses:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r}:
+            {what}
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Presses())
+from fibermelt.__main__ import main
+main()
+"""
+"""The command line, with Ctrl-C pressed as a module is about to be loaded."""
+
+PRESSED = [
+    # while the command line is loaded, and while a command loads what it needs
+    ("typer", "pass"),
+    ("fibermelt.study.sweep.runner", "pass"),
+    # Python would end by the signal after this, though it is caught
+    ("fibermelt.study.sweep.runner", "eval('os.kill(os.getpid(), signal.SIGINT)')"),
+]
+
+
+@pytest.mark.parametrize(("name", "what"), PRESSED)
+def test_control_c_while_modules_are_loaded_ends_alike(tmp_path, name, what):
+    script = LOADING.format(name=name, what=what)
+    arguments = ["sweep", fake_sweeps.study_file(tmp_path), "--out", tmp_path / "out"]
+    ended = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+        preexec_fn=fakes.hears_ctrl_c,
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (SHELL_INTERRUPTED, "", "")
+    assert not (tmp_path / "out").exists()
+
+
+def test_control_c_before_anything_is_written_says_so(tmp_path, monkeypatch):
+    def interrupted(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fibermelt.study.sweep.runner.plan_sweep", interrupted)
+    arguments = ["sweep", fake_sweeps.study_file(tmp_path), "--out", tmp_path / "out"]
+    told = CliRunner().invoke(app, [*map(str, arguments)])
+    assert told.exit_code == SHELL_INTERRUPTED
+    assert told.stderr.splitlines()[-1] == "interrupted: nothing was begun"
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_signal_to_end_leaves_nothing_behind(tmp_path, monkeypatch):

@@ -20,6 +20,7 @@ from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.plan import plan_sweep
 from fibermelt.study.sweep.record import restored
 from fibermelt.study.sweep.runner import run_sweep
+from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
 
 GAPS = (3.0, 3.9, 5.0, 6.4)
@@ -144,6 +145,22 @@ def test_a_flow_whose_neighbour_has_no_answer_starts_from_cold(tmp_path):
     assert (summary["done"], summary["failed"]) == (2, 4)
 
 
+def test_a_flow_that_its_neighbour_did_not_lead_to_counts_as_from_cold(tmp_path):
+    gaps = ["3.9 mm", "4.3 mm", "4.7 mm"]
+    text = SWEPT.replace(str([f"{gap} mm" for gap in GAPS]), str(gaps))
+    study, out = fake_sweeps.study_file(tmp_path, text.replace("[4, 8]", "[4]")), tmp_path / "out"
+    jobs = planned(study)
+    (root,) = (gap for gap, job in jobs.items() if not job.neighbour)
+    assert root != fake_sweeps.LEADS_NOWHERE
+    fake_sweeps.sweep(study, out)
+    began = {record.key: record.neighbour for record, _ in Store(out, ()).records()}
+    lost = jobs[fake_sweeps.LEADS_NOWHERE]
+    assert lost.neighbour
+    assert began[lost.key] == ""
+    assert sorted(map(bool, began.values())) == [False, False, True]
+    assert sweep_status(out)["stages"]["flow"]["from_neighbour"] == 1
+
+
 def test_a_sweep_from_cold_stays_so_when_it_goes_on(tmp_path, undisturbed):
     study, out = undisturbed[0], tmp_path / "out"
     swept = load_study(str(study))
@@ -217,7 +234,8 @@ def test_a_flow_of_another_melt_is_as_good_as_solved(real):
     other, data = stored(real, "flow")
     one = Parameters({**other, "melt.viscosity": 123.0, "melt.density": 900.0})
     said = []
-    scaled = flow_from(one, {}, said.append, Neighbour(other, data))
+    scaled, is_from_it = flow_from(one, {}, said.append, Neighbour(other, data))
+    assert is_from_it
     assert said == ["the same flow of another melt, or faster: scaled"]
     expected = flow_stage(one, {}, lambda line: None)
     assert set(scaled.variables) == set(expected.variables)

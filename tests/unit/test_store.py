@@ -152,7 +152,7 @@ def test_a_summary_that_is_not_ours(tmp_path, text, message):
 @pytest.mark.parametrize("text", ["", "{", "{}", '{"schema": null}', "[" * 100_000])
 def test_a_marker_that_cannot_be_read(tmp_path, text):
     (tmp_path / "store.json").write_text(text)
-    with pytest.raises(StoreError, match=r"store\.json: is damaged.*--fresh.*move"):
+    with pytest.raises(StoreError, match=r"store\.json: is damaged.*run --fresh.*move.*--out"):
         refuse_foreign(tmp_path, tmp_path / "store.json")
     refuse_foreign(tmp_path, tmp_path / "store.json", fresh=True)
 

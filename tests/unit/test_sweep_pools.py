@@ -1,9 +1,17 @@
-"""Addresses of schedulers that are none are refused before dask sees them."""
+"""Addresses of schedulers that are none are refused, and so are numbers of workers."""
+
+import re
+import socket
+import threading
+from contextlib import contextmanager
 
 import pytest
+from typer.testing import CliRunner
 
-from fibermelt.errors import ConfigError
-from fibermelt.study.sweep.pools import open_pool
+from fibermelt.cli import app
+from fibermelt.errors import ConfigError, FibermeltError
+from fibermelt.study.sweep import schedulers
+from fibermelt.study.sweep.pools import MOST_PER_CORE, cores, open_pool
 
 
 @pytest.mark.parametrize("address", ["foo://x", "tcp://", "tcp://host", "tcp://host:port"])
@@ -30,3 +38,69 @@ def test_a_file_without_an_address_is_refused(tmp_path, held, said):
     file.write_text(held)
     with pytest.raises(ConfigError, match=said), open_pool(None, str(file), tmp_path / "results"):
         pass
+
+
+@contextmanager
+def listening(answer):
+    """Yield the address of a service that takes connections and sends each of them some bytes."""
+    taken = []
+
+    def take():
+        try:
+            while True:
+                taken.append(server.accept()[0])
+                taken[-1].sendall(answer)
+        except OSError:  # closed
+            return
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=take)
+        thread.start()
+        try:
+            yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        finally:
+            server.shutdown(socket.SHUT_RDWR)
+            thread.join()
+            for one in taken:
+                one.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (b"", "nothing of dask has answered in 0.2 s"),
+        (b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n", "it sends what dask does not"),
+        (b"SSH-2.0-OpenSSH_9.6\r\n", "it sends what dask does not"),
+    ],
+    ids=["silent", "http", "ssh"],
+)
+def test_another_service_is_no_scheduler(tmp_path, monkeypatch, answer, said):
+    monkeypatch.setattr(schedulers, "CONNECT", 0.2)
+    message = rf"--scheduler \S+: does not answer as a scheduler does \({said}\): start one"
+    with (
+        listening(answer) as address,
+        pytest.raises(FibermeltError, match=message),
+        open_pool(None, address, tmp_path),
+    ):
+        pass
+
+
+def test_a_worker_of_dask_is_no_scheduler(tmp_path, monkeypatch):
+    monkeypatch.setattr(schedulers, "_kind_of", lambda address: "Worker")
+    with (
+        pytest.raises(ConfigError, match="is the address of a Worker of dask, not of its sched"),
+        open_pool(None, "tcp://127.0.0.1:8786", tmp_path),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("workers", [-1, MOST_PER_CORE * cores() + 1, 10**9])
+def test_a_number_of_workers_that_was_meant_otherwise_is_refused(tmp_path, workers):
+    message = rf"--workers {workers}: must be at (most|least)"
+    with pytest.raises(ConfigError, match=message), open_pool(workers, None, tmp_path):
+        pass
+    given = ["sweep", "nozzle", "--out", str(tmp_path / "out"), "--workers", str(workers)]
+    told = CliRunner().invoke(app, given)
+    assert (told.exit_code, told.stdout) == (2, "")
+    assert re.search(message, told.stderr)
+    assert not (tmp_path / "out").exists()

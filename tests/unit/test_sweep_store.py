@@ -153,8 +153,10 @@ def test_a_sweep_comes_back_and_a_damaged_one_is_named(store):
     with pytest.raises(StoreError, match=r"sweep\.json: is damaged.*sweep STUDY --out"):
         store.read_sweep()
     path.unlink()
-    with pytest.raises(StoreError, match="holds no sweep"):
+    with pytest.raises(StoreError, match=r"sweep\.json: is missing.*sweep STUDY --out"):
         store.read_sweep()
+    with pytest.raises(StoreError, match="holds no sweep"):
+        CaseStore(store.directory / "stages").read_sweep()
 
 
 def test_somebody_elses_sweep_is_not_overwritten(tmp_path):

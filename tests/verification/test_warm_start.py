@@ -55,6 +55,8 @@ def test_answer_is_that_from_cold_both_ways(
     _assert_same(back, coarse_flow)
     assert not [line for line in lines if "from cold" in line]
     assert there.newton_steps < cold.newton_steps
+    assert there.is_warm
+    assert not cold.is_warm
 
 
 def test_answer_does_not_depend_on_the_way(coarse_flow: FlowSolution) -> None:
@@ -74,6 +76,7 @@ def test_a_start_that_leads_nowhere_gives_the_answer_from_cold(coarse_flow: Flow
     start = StartShape(up, coarse_flow.downstream_surface)
     flow = solve_deposition(_problem(), COARSE, lines.append, start)
     assert [line for line in lines if "from cold" in line]
+    assert not flow.is_warm
     np.testing.assert_array_equal(flow.upstream_surface, coarse_flow.upstream_surface)
 
 

@@ -39,5 +39,5 @@ for command in COMMANDS:
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line, once it is loaded: `fibermelt.__main__` begins before that."""
     app()

@@ -29,10 +29,12 @@ def report(
     with told():
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
 
         folder = given_folder(directory)
         is_sweep = (folder / "sweep.json").exists()
-        is_run = (folder / "stages" / "outputs.json").exists() or not is_sweep
+        # A sweep that lost sweep.json is told how to get it back.
+        is_run = (folder / "stages" / "outputs.json").exists() or not CaseStore(folder).is_begun()
         path = write_report(folder) if is_run else write_sweep_report(folder)
         answer: dict[str, str | int] = {"report": str(path), "bytes": path.stat().st_size}
         lines = [legible(str(path), len(str(path)))]

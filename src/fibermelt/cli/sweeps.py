@@ -178,10 +178,9 @@ def _go(
                     observer=observer,
                 )
         except KeyboardInterrupt as ended:
-            typer.echo(
-                f"interrupted: finished cases are kept, fibermelt resume {_quoted(folder)} goes on",
-                err=True,
-            )
+            kept = f"finished cases are kept, fibermelt resume {_quoted(folder)} goes on"
+            is_begun = (folder / "sweep.json").exists()
+            typer.echo(f"interrupted: {kept if is_begun else 'nothing was begun'}", err=True)
             raise typer.Exit(ENDED if isinstance(ended, _Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))

@@ -82,6 +82,9 @@ class FlowSolution:
         Of the last mesh.
     error : FlowError
         Estimated discretisation errors.
+    is_warm : bool
+        Whether the solve began with surfaces that it was given, and needed no search from cold;
+        of a flow that was read or scaled nothing is known, and it is False.
     """
 
     problem: Deposition
@@ -98,6 +101,7 @@ class FlowSolution:
     unknowns: int
     elements: int
     error: FlowError
+    is_warm: bool = False
 
 
 def _check_climb(problem: Deposition, surfaces: Surfaces) -> None:
@@ -154,7 +158,8 @@ def solve_deposition(
         Receives a line of text after every Newton step.
     start : StartShape, optional
         Surfaces of a solved neighbour. They take the place of the search on coarse meshes; if they
-        lead nowhere the search begins from cold. The answer is the same within its stated error.
+        lead nowhere the search begins from cold (`FlowSolution.is_warm`). The answer is the same
+        within its stated error.
 
     Raises
     ------
@@ -174,7 +179,8 @@ def solve_deposition(
     search = SurfaceSearch(problem, progress)
     if start is not None:
         try:
-            return _finely(search, surfaces_from(start, problem), numerics, chords=True)
+            warm = _finely(search, surfaces_from(start, problem), numerics, chords=True)
+            return replace(warm, is_warm=True)
         except (ConvergenceError, MeshError):
             search.tell("no answer from the neighbour's surfaces: from cold")
     return _finely(search, cold_surfaces(search, numerics.contact_guess), numerics)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError, legible
 from fibermelt.study.files import digest, read_sealed
 from fibermelt.study.netcdf import from_bytes
-from fibermelt.study.schema import SCHEMA, no_folder
+from fibermelt.study.schema import SCHEMA, is_ours, no_folder
 from fibermelt.study.store import LONGEST_PATH, not_as_written
 
 if TYPE_CHECKING:
@@ -109,6 +109,11 @@ def _refuse(directory: Path) -> None:
     if not marker.is_file():
         what = no_folder(directory) or "is no results folder of fibermelt"
         msg = f"{_shown(directory)}: {what}; {_NAME_ANOTHER}"
+        if is_ours(directory):
+            msg = (
+                f"{_shown(marker)}: is missing; `fibermelt run STUDY --out {_shown(directory)}` "
+                "writes it anew, from the stages that are there"
+            )
         raise StoreError(msg)
     try:
         schema = json.loads(_read(marker))["schema"]

@@ -18,7 +18,7 @@ from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import flatten
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
-from fibermelt.study.schema import REPORT, SCHEMA
+from fibermelt.study.schema import REPORT, SCHEMA, has_lost_mark
 from fibermelt.study.stages import Neighbour, Parameters, Say, Stage, keys, stage_parameters
 from fibermelt.study.store import Record, Store, stage_name
 from fibermelt.study.toml import resolved_toml
@@ -84,6 +84,8 @@ def run_study(
         that is damaged is computed anew.
     """
     run = _Run(study, chain, draw, report, observer or Silent(), time.perf_counter())
+    if has_lost_mark(directory):
+        run.observer.done("store", "stages/store.json was missing or damaged: written anew")
     store = Store.open(directory, fresh=fresh)
     try:
         return run.into(store, fresh=fresh)
@@ -181,7 +183,7 @@ class _Run:
         # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
         with threadpool_limits(limits=1, user_api="blas"):
             inputs = {name: data[name] for name in fed}
-            dataset = stage.begin(parameters, inputs, self._say(stage), like)
+            dataset, neighbour = stage.begin(parameters, inputs, self._say(stage), like)
         record = Record(
             stage=stage.name,
             version=stage.version,
@@ -192,7 +194,7 @@ class _Run:
             data="",
             software=software_versions(),
             processor=time.process_time() - busy,
-            neighbour="" if like is None else like.key,
+            neighbour=neighbour,
         )
         return record, dataset
 

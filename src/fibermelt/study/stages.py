@@ -90,8 +90,9 @@ class Neighbour:
     key: str = ""
 
 
-ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], "xr.Dataset"]
-"""As `Compute`, beginning with what a neighbour found."""
+ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], tuple["xr.Dataset", bool]]
+"""As `Compute`, beginning with what a neighbour found; and whether that led to the data: where it
+leads nowhere, they are those from cold."""
 
 
 def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
@@ -153,11 +154,15 @@ class Stage:
 
     def begin(
         self, parameters: Parameters, inputs: Inputs, say: Say, start: Neighbour | None
-    ) -> xr.Dataset:
-        """Compute it, from a neighbour's result where there is one and it can begin with it."""
+    ) -> tuple[xr.Dataset, str]:
+        """Compute it, from a neighbour's result where there is one and it can begin with it.
+
+        Return its data and the key of the neighbour that they came from; empty: from cold.
+        """
         if self.compute_from is None or start is None:
-            return self.compute(parameters, inputs, say)
-        return self.compute_from(parameters, inputs, say, start)
+            return self.compute(parameters, inputs, say), ""
+        data, is_from_it = self.compute_from(parameters, inputs, say, start)
+        return data, start.key if is_from_it else ""
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""

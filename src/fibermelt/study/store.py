@@ -72,7 +72,8 @@ class Record:
     processor : float
         Processor time that it took [s]; 0 in records from before it was kept.
     neighbour : str
-        In a sweep, key of the same stage of another case from which it started; empty: from cold.
+        Key of the same stage of another case from whose result this one came; empty: from cold,
+        also where it was to start from one that led nowhere.
     """
 
     stage: str

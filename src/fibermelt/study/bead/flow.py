@@ -81,10 +81,13 @@ def start_from(flow: xr.Dataset) -> StartShape:
     return StartShape(flow["upstream_surface"].to_numpy(), flow["downstream_surface"].to_numpy())
 
 
-def flow_stage(
-    parameters: Parameters, inputs: Inputs, say: Say, start: StartShape | None = None
-) -> xr.Dataset:
-    """Solve the deposition flow, from cold or from the surfaces of a neighbour (`start_from`).
+def flow_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Solve the deposition flow from cold."""
+    return _stored(_solved(parameters, say, None))
+
+
+def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowSolution:
+    """Return the deposition flow of a study, solved from cold or from surfaces.
 
     The start is no part of the stage's key: it changes the answer by less than its stated error.
     """
@@ -92,11 +95,13 @@ def flow_stage(
     from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
 
     numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
-    return _stored(solve_deposition(_problem(parameters), numerics, progress=say, start=start))
+    return solve_deposition(_problem(parameters), numerics, progress=say, start=start)
 
 
-def flow_from(parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour) -> xr.Dataset:
-    """Solve the deposition flow from the surfaces of a neighbour.
+def flow_from(
+    parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour
+) -> tuple[xr.Dataset, bool]:
+    """Solve the deposition flow from the surfaces of a neighbour, and tell whether these led to it.
 
     Where the two differ in nothing but a scale, the neighbour's flow is the answer with that
     scale (`fibermelt.flow.rescale`), and nothing is solved.
@@ -104,10 +109,11 @@ def flow_from(parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neigh
     from fibermelt.flow.rescale import rescaled  # noqa: PLC0415  lazy: see the module
 
     if flow_but_for_scale(parameters) != flow_but_for_scale(neighbour.parameters):
-        return flow_stage(parameters, inputs, say, start=start_from(neighbour.data))
+        found = _solved(parameters, say, start_from(neighbour.data))
+        return _stored(found), found.is_warm
     say("the same flow of another melt, or faster: scaled")
     solution = _solution(neighbour.parameters, neighbour.data)
-    return _stored(rescaled(solution, _problem(parameters)))
+    return _stored(rescaled(solution, _problem(parameters))), True
 
 
 def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,34 +5,32 @@ dask.distributed is imported when a cluster is wanted, and never for anything el
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 import queue
-import re
 import signal
 import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from importlib import import_module
 from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.parameters import excerpt
+from fibermelt.study.sweep.schedulers import CONNECT, connect, distributed
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
-__all__ = ["Died", "Pool", "cores", "open_pool"]
-
-CONNECT = 20.0
-"""Time [s] in which a scheduler has to answer: it is there, or it is not."""
+__all__ = ["Died", "Pool", "cores", "open_pool", "refuse_workers"]
 
 COUNT_AGAIN = 5.0
 """Time [s] after which the workers are counted again: on a cluster they come and go."""
+
+MOST_PER_CORE = 64
+"""Workers on a core of this machine, at most: each is a process of 150 MB and of seconds to start,
+and more of them than cores bring nothing; far more were meant otherwise."""
 
 ANY_PORT = "127.0.0.1:0"
 """Where a scheduler of ours serves HTTP, which it insists on: else port 8787, with a complaint if
@@ -49,10 +47,6 @@ def cores() -> int:
     except ImportError:
         return os.cpu_count() or 1
     return int(CPU_COUNT)
-
-
-ADDRESS = re.compile(r"(tcp|tls|ws|wss|ucx)://[^/\s]+:\d{1,5}/?")
-"""What dask takes for the address of a scheduler."""
 
 
 class Died:
@@ -133,7 +127,7 @@ class _Cluster:
             outcomes: list[Outcome] = future.result()
             return task, outcomes
         error = future.exception() if future.status == "error" else None
-        if isinstance(error, _distributed().KilledWorker):
+        if isinstance(error, distributed().KilledWorker):
             return task, Died()
         if error is not None:
             raise error
@@ -163,9 +157,27 @@ def _on_worker(task: Task) -> list[Outcome]:
         return fulfil(task)
 
 
-def _distributed() -> Any:
-    """Return dask.distributed, of whose functions some have types and some have not."""
-    return import_module("distributed")
+def refuse_workers(workers: int | None, scheduler: str | None) -> None:
+    """Refuse what no pool can be opened with, before anything is written.
+
+    Raises
+    ------
+    ConfigError
+        If both are given, or too few or too many workers.
+    """
+    if workers is not None and scheduler is not None:
+        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
+        raise ConfigError(msg)
+    if workers is not None and workers < 0:
+        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
+        raise ConfigError(msg)
+    if workers is not None and workers > MOST_PER_CORE * cores():
+        msg = (
+            f"--workers {workers}: must be at most {MOST_PER_CORE * cores()} ({MOST_PER_CORE} for "
+            f"each of {cores()} cores): each is a process of its own, and more than cores bring "
+            "nothing; leave it away for one for each core"
+        )
+        raise ConfigError(msg)
 
 
 @contextmanager
@@ -190,12 +202,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
     FibermeltError
         If the scheduler does not answer.
     """
-    if workers is not None and scheduler is not None:
-        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
-        raise ConfigError(msg)
-    if workers is not None and workers < 0:
-        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
-        raise ConfigError(msg)
+    refuse_workers(workers, scheduler)
     if workers == 0:
         forget()
         yield _Here()
@@ -204,7 +211,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
     try:
         import dask  # noqa: PLC0415  lazy: see the module
 
-        _distributed()
+        distributed()
     except ImportError:
         msg = (
             'a cluster needs dask.distributed: pip install "dask[distributed]", or take --workers 0'
@@ -229,7 +236,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
 @contextmanager
 def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
     """Yield a cluster on this machine, which goes with this process however that ends."""
-    dd = _distributed()
+    dd = distributed()
     with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch, ExitStack() as stack:
         try:
             with _without_interrupts():
@@ -275,51 +282,10 @@ def _without_interrupts() -> Iterator[None]:
 @contextmanager
 def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
     """Yield the workers of a scheduler that is there already."""
-    address = scheduler
-    if "://" not in scheduler:
-        path = Path(scheduler)
-        if not path.is_file():
-            msg = (
-                f"--scheduler {scheduler}: neither an address such as tcp://host:8786 nor a "
-                "scheduler file"
-            )
-            raise ConfigError(msg)
-        if path.resolve().is_relative_to(folder.resolve()):
-            msg = (
-                f"--scheduler {scheduler}: lies in the results folder, whose content is never "
-                "taken for the address of a scheduler: keep it elsewhere"
-            )
-            raise ConfigError(msg)
-        address = _written(path)
-    if not ADDRESS.fullmatch(address):
-        # dask would answer with a client half made, that hangs and complains as it is dropped.
-        msg = f"--scheduler {scheduler}: is no address such as tcp://host:8786"
-        raise ConfigError(
-            msg if address == scheduler else f"{msg}, nor is {excerpt(address)} in it"
-        )
-    try:
-        client = _distributed().Client(address, timeout=CONNECT, set_as_default=False)
-    except (OSError, TimeoutError, ValueError, ImportError) as error:
-        msg = (
-            f"--scheduler {scheduler}: does not answer ({str(error) or type(error).__name__}): "
-            "start one with dask scheduler, or drop --scheduler"
-        )
-        raise FibermeltError(msg) from error
+    client = connect(scheduler, folder)
     try:
         yield _Cluster(client, scheduler, folder)
     finally:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):
             client.close(timeout=2)
-
-
-def _written(path: Path) -> str:
-    """Return the address that a scheduler file holds."""
-    try:
-        return str(json.loads(path.read_text(encoding="utf-8"))["address"])
-    except (OSError, ValueError, LookupError, TypeError):
-        msg = (
-            f"--scheduler {path}: holds no address of a scheduler: have dask scheduler "
-            "--scheduler-file write it"
-        )
-        raise ConfigError(msg) from None

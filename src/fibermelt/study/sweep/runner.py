@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError
 from fibermelt.study.progress import Observer, Silent, duration
 from fibermelt.study.runner import software_versions
+from fibermelt.study.schema import has_lost_mark
 from fibermelt.study.stages import stage_parameters
 from fibermelt.study.sweep.agenda import AHEAD, Agenda, Item
 from fibermelt.study.sweep.cost import Progress, read_progress, write_progress
 from fibermelt.study.sweep.plan import Job, Plan, plan_sweep
-from fibermelt.study.sweep.pools import Died, Pool, open_pool
+from fibermelt.study.sweep.pools import Died, Pool, open_pool, refuse_workers
 from fibermelt.study.sweep.record import asked
 from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store, stage_folder
 from fibermelt.study.sweep.tasks import Folder, Outcome, Task
@@ -81,7 +82,7 @@ def run_sweep(
     Raises
     ------
     ConfigError
-        If a case is no valid study.
+        If a case is no valid study, or the workers are none.
     StoreError
         If the folder cannot be read or written, a full disk included: what was finished is kept.
     FibermeltError
@@ -89,8 +90,11 @@ def run_sweep(
     """
     began = time.perf_counter()
     observer = observer or Silent()
+    refuse_workers(workers, scheduler)
     observer.step("sweep", _cases(sweep.count))
     plan = plan_sweep(sweep, study, chain)
+    if has_lost_mark(directory):
+        observer.done("store", "stages/store.json was missing or damaged: written anew")
     cases = open_case_store(directory)
     cases.write_sweep(asked(sweep, study, plan))
     cases.forget_failures(lasting=retry_failed)

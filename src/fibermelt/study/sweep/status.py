@@ -182,7 +182,7 @@ def list_unneeded(directory: Path, chain: Chain) -> list[Path]:
         If the folder holds neither a sweep nor a run, or does not say what they need.
     """
     cases = CaseStore(directory)
-    is_swept, config = (directory / "sweep.json").exists(), directory / "config.toml"
+    is_swept, config = cases.is_begun(), directory / "config.toml"
     if not is_swept and not config.exists():
         what = no_folder(directory) or "holds neither a sweep nor a run"
         msg = f"{directory}: {what}: nothing tells what is not needed; name a results folder"

@@ -33,7 +33,7 @@ from fibermelt.study.files import (
     replace_file,
     storage_errors,
 )
-from fibermelt.study.schema import SCHEMA, no_folder
+from fibermelt.study.schema import SCHEMA, is_ours, no_folder
 from fibermelt.study.store import KEY_LENGTH, Store
 from fibermelt.study.sweep.collection import Batch
 
@@ -159,21 +159,31 @@ class CaseStore:
         """
         path = self.directory / "sweep.json"
         if not path.exists():
+            if self.is_begun():
+                msg = f"{path}: is missing; {self._anew()}"
+                raise StoreError(msg)
             what = no_folder(self.directory) or "holds no sweep"
             msg = f"{self.directory}: {what}; name a folder that fibermelt sweep wrote"
             raise StoreError(msg)
         try:
             content = read_sealed(path)
         except ValueError as error:
-            msg = (
-                f"{path}: is damaged, or was changed since it was written; run fibermelt sweep "
-                f"STUDY --out {self.directory} again to write it anew: finished cases are kept"
-            )
+            msg = f"{path}: is damaged, or was changed since it was written; {self._anew()}"
             raise StoreError(msg) from error
         if content.get("schema") != SCHEMA:
             msg = f"{path}: has schema {content.get('schema')}, this fibermelt reads {SCHEMA}"
             raise StoreError(msg)
         return content
+
+    def is_begun(self) -> bool:
+        """Tell whether a sweep ran into the folder, also if what was asked is lost."""
+        return (self.directory / "sweep.json").exists() or self.folder.is_dir()
+
+    def _anew(self) -> str:
+        return (
+            f"run fibermelt sweep STUDY --out {self.directory} again to write it anew: finished "
+            "cases are kept"
+        )
 
     # Finished cases.
 
@@ -295,7 +305,7 @@ def open_case_store(directory: Path) -> CaseStore:
         be written.
     """
     cases = CaseStore(directory)
-    if not (directory / "stages" / "store.json").exists():
+    if not (directory / "stages" / "store.json").exists() and not is_ours(directory):
         for path in (directory / "sweep.json", cases.folder):
             if path.exists():
                 msg = (

@@ -205,14 +205,13 @@ class _Worker:
     def _compute(
         self, name: str, case: PlannedCase, values: Mapping[str, Value]
     ) -> tuple[xr.Dataset, str]:
-        """Return the data of a stage, from those of its inputs, and the key of its neighbour."""
+        """Return the data of a stage, and the key of the neighbour that they came from, if any."""
         stage = self._stages[name]
         if known := self._cases.failure(name, case.keys[name]):
             raise _NoAnswer(known)
         inputs = {other: self._data(other, case, values).data for other in stage.fed(values)}
         start = self._neighbour(stage, case)
-        data = _answer(stage, case.keys[name], stage_parameters(stage, values), inputs, start)
-        return data, start.key if start is not None else ""
+        return _answer(stage, case.keys[name], stage_parameters(stage, values), inputs, start)
 
     def _neighbour(self, stage: Stage, case: PlannedCase) -> Neighbour | None:
         """Return what a stage starts from, or None: from cold, as when its neighbour failed."""
@@ -267,8 +266,8 @@ def _answer(
     parameters: Parameters,
     inputs: Mapping[str, xr.Dataset],
     start: Neighbour | None,
-) -> xr.Dataset:
-    """Return what a stage computes.
+) -> tuple[xr.Dataset, str]:
+    """Return what a stage computes, as `Stage.begin` does.
 
     Raises
     ------
