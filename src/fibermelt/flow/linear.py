@@ -33,7 +33,8 @@ MAX_PASSES = 6
 def _singular(left: float, size: float) -> ConvergenceError:
     return ConvergenceError(
         f"the linear solve left a residual of {left:.2e} against {size:.2e}: the matrix "
-        "is singular to working precision; try a longer contact_edge or lip_edge"
+        "is singular to working precision: near the last gap or bed speed with a steady surface "
+        "lower flow.gap or flow.bed_speed, elsewhere try a longer numerics.contact_edge or lip_edge"
     )
 
 
