@@ -35,12 +35,12 @@ def report(
         is_sweep = (folder / "sweep.json").exists()
         # A sweep that lost sweep.json is told how to get it back.
         is_run = (folder / "stages" / "outputs.json").exists() or not CaseStore(folder).is_begun()
-        path = write_report(folder) if is_run else write_sweep_report(folder)
+        path = write_report(folder) if is_run else write_sweep_report(folder).path
         answer: dict[str, str | int] = {"report": str(path), "bytes": path.stat().st_size}
         lines = [legible(str(path), len(str(path)))]
         if is_sweep and is_run:
             # A run into the folder of a sweep has the name report.html for itself.
-            beside = write_sweep_report(folder)
+            beside = write_sweep_report(folder).path
             answer["sweep_report"] = str(beside)
             lines.append(legible(str(beside), len(str(beside))))
         say(json.dumps(answer) if as_json else "\n".join(lines))

@@ -185,13 +185,10 @@ def _go(
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
-        from fibermelt.study.sweep.answer import answer_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep.collect import collect_sweep  # noqa: PLC0415
 
-        collected = collect_sweep(folder)
-        path = write_sweep_report(folder, collected)
+        path, answer = write_sweep_report(folder)
         if not as_json:
-            say("\n".join([f"report          {_shown(path)}", *answer_sweep(collected)]))
+            say("\n".join([f"report          {_shown(path)}", *answer]))
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:

@@ -19,12 +19,11 @@ from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.interaction import INTERACTION_FIGURES
 from fibermelt.report.orientation import ORIENTATION_FIGURES
 from fibermelt.report.overview import figure_overview, overview_words
-from fibermelt.report.plates import Plate
+from fibermelt.report.plates import Plate, draw_plates
 from fibermelt.report.positions import figure_positions, positions_words
 from fibermelt.report.profiles import figure_profiles, profiles_words
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
-from fibermelt.report.style import save
 from fibermelt.report.voids import figure_voids, voids_words
 
 if TYPE_CHECKING:
@@ -107,10 +106,5 @@ def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
     directory : Path
         An existing folder.
     """
-    written = []
-    for plate in FIGURES:
-        if plate.needs not in results:
-            continue
-        words = plate.words(results)
-        written += save(plate.draw(results), directory / plate.name, plate.title, words)
-    return written
+    there = (plate for plate in FIGURES if plate.needs in results)
+    return draw_plates(there, results, directory)

@@ -7,12 +7,9 @@ store gives the same bytes with the same versions of fibermelt and matplotlib.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from fibermelt.errors import StoreError
@@ -21,6 +18,7 @@ from fibermelt.report.answer import answer
 from fibermelt.report.embed import embed_figures
 from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
+from fibermelt.report.templates import page_file, page_template
 from fibermelt.study.files import replace_file
 from fibermelt.study.finished import read_finished
 from fibermelt.study.schema import REPORT
@@ -62,15 +60,15 @@ def render(
     opening = account(results, summary)
     figures = {figure.name: figure for figure in embed_figures(results, drawn)}
     overview = figures.pop(OVERVIEW, None)
-    page = _template().render(
+    page = page_template("page.html.j2").render(
         title=title_of(results),
         answer=answer(results, summary),
         account=opening,
         overview=overview,
         bead=Markup(bead_data(results)) if NEEDS in results else None,  # escaped there
         sections=told(results, summary, figures),
-        style=Markup(_file("style.css")),
-        script=Markup(_file("bead.js")),
+        style=Markup(page_file("style.css")),
+        script=Markup(page_file("bead.js")),
     )
     return str(page).encode()
 
@@ -99,15 +97,3 @@ def write_report(directory: Path) -> Path:
         msg = f"{path}: cannot be written: {reason}; make the folder writable, or report on a copy"
         raise StoreError(msg) from error
     return path
-
-
-def _file(name: str) -> str:
-    return files("fibermelt.report").joinpath("page", name).read_text(encoding="utf-8")
-
-
-@cache
-def _template() -> Any:
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(_file("page.html.j2"))

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from fibermelt.report.style import Words
+from fibermelt.report.style import Words, save
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Plate"]
+__all__ = ["Plate", "draw_plates"]
 
 
 @dataclass(frozen=True)
@@ -42,3 +43,24 @@ class Plate:
     words: Callable[[xr.Dataset], Words]
     needs: str = "extreme"
     paper: str = ""
+
+
+def draw_plates(plates: Iterable[Plate], results: xr.Dataset, directory: Path) -> list[Path]:
+    """Draw figures, as SVG and PNG, and return the paths.
+
+    Parameters
+    ----------
+    plates : iterable of Plate
+        The figures; the results must be enough for them.
+    results : xarray.Dataset
+        What they are drawn of.
+    directory : Path
+        An existing folder.
+    """
+    return [
+        path
+        for plate in plates
+        for path in save(
+            plate.draw(results), directory / plate.name, plate.title, plate.words(results)
+        )
+    ]

@@ -6,21 +6,20 @@ the records of how it was computed.
 
 from __future__ import annotations
 
-from functools import cache
-from importlib.resources import files
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from fibermelt.report.embed import Embedded, embed_plates
-from fibermelt.report.style import save
+from fibermelt.report.plates import draw_plates
 from fibermelt.report.sweep.claims import claims_matrix
 from fibermelt.report.sweep.computed import computed_told, sources_told
 from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
+from fibermelt.report.templates import page_file, page_template
 from fibermelt.study.files import replace_file
 from fibermelt.study.schema import REPORT
 from fibermelt.study.sweep.answer import answer_sweep
@@ -33,10 +32,17 @@ if TYPE_CHECKING:
 
     from fibermelt.study.sweep.cost import Computed
 
-__all__ = ["BESIDE_A_RUN", "render_sweep", "write_sweep_report"]
+__all__ = ["BESIDE_A_RUN", "SweepReport", "render_sweep", "write_sweep_report"]
 
 BESIDE_A_RUN = "sweep.html"
 """Name of the report of a sweep in a folder whose report.html is that of a run."""
+
+
+class SweepReport(NamedTuple):
+    """A report that was written: where to, and what it says in short."""
+
+    path: Path
+    answer: tuple[str, ...]
 
 
 def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> bytes:
@@ -59,6 +65,11 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
     StoreError
         If it does not say what varied, or from which study.
     """
+    return _rendered(collected, computed, answer_sweep(collected))
+
+
+def _rendered(collected: xr.Dataset, computed: Computed | None, answer: Sequence[str]) -> bytes:
+    """Return the report of a sweep whose answer is known."""
     table = sweep_table(collected)
     how = Markup() if computed is None else computed_told(collected, table, computed)
     told = (
@@ -67,20 +78,20 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
         ("computed", "How it was computed", how),
         ("sources", "Sources", sources_told(collected, table)),
     )
-    page = _template().render(
+    page = page_template("sweep.html.j2").render(
         title=table.title,
-        answer=answer_sweep(collected),
+        answer=answer,
         varied=varied_told(collected, table),
         cases=cases_told(table),
         figures=_figures(collected),
         sections=[one for one in told if one[2]],
-        style=Markup(_file("style.css") + _file("sweep.css")),
+        style=Markup(page_file("style.css") + page_file("sweep.css")),
     )
     return str(page).encode()
 
 
-def write_sweep_report(directory: Path, collected: xr.Dataset | None = None) -> Path:
-    """Write the report of a sweep into its results folder, and return its path.
+def write_sweep_report(directory: Path) -> SweepReport:
+    """Write the report of a sweep into its results folder.
 
     It is called report.html, or sweep.html where a run into the same folder has that name.
 
@@ -88,46 +99,24 @@ def write_sweep_report(directory: Path, collected: xr.Dataset | None = None) -> 
     ----------
     directory : Path
         The results folder.
-    collected : xarray.Dataset, optional
-        What is collected of it, if that is at hand.
 
     Raises
     ------
     StoreError
         If the folder holds no sweep, a file of it is damaged, or it cannot be written.
     """
-    page = render_sweep(
-        collect_sweep(directory) if collected is None else collected, read_computed(directory)
-    )
+    collected = collect_sweep(directory)
+    answer = answer_sweep(collected)
+    page = _rendered(collected, read_computed(directory), answer)
     is_run = (directory / "stages" / "outputs.json").exists()
     path = directory / (BESIDE_A_RUN if is_run else REPORT)
     replace_file(path, page)
-    return path
+    return SweepReport(path, answer)
 
 
 def _figures(collected: xr.Dataset) -> list[Embedded]:
     plates = sweep_plates(collected)
     with TemporaryDirectory() as folder:
-        drawn = {
-            path.name: path.read_bytes()
-            for plate in plates
-            for path in save(
-                plate.draw(collected),
-                Path(folder) / plate.name,
-                plate.title,
-                plate.words(collected),
-            )
-        }
+        paths = draw_plates(plates, collected, Path(folder))
+        drawn = {path.name: path.read_bytes() for path in paths}
     return embed_plates(plates, collected, drawn)
-
-
-def _file(name: str) -> str:
-    return files("fibermelt.report").joinpath("page", name).read_text(encoding="utf-8")
-
-
-@cache
-def _template() -> Any:
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(_file("sweep.html.j2"))

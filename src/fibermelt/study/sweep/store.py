@@ -34,7 +34,7 @@ from fibermelt.study.files import (
     storage_errors,
 )
 from fibermelt.study.schema import SCHEMA, is_ours, no_folder
-from fibermelt.study.store import KEY_LENGTH, Store
+from fibermelt.study.store import KEY_LENGTH, Store, stage_name
 from fibermelt.study.sweep.collection import Batch
 
 __all__ = ["CaseStore", "Failure", "claimed", "damaged_batch", "open_case_store", "stage_folder"]
@@ -292,7 +292,7 @@ class CaseStore:
 
 def stage_folder(directory: Path, stage: str, key: str) -> Path:
     """Return where a results folder has a kept stage; it is there or not."""
-    return directory / "stages" / f"{stage}-{key[:KEY_LENGTH]}"
+    return directory / "stages" / stage_name(stage, key)
 
 
 def open_case_store(directory: Path) -> CaseStore:
