@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, PHONE, every_width, rgb
+from sizes import DESKTOP, PHONE, assert_it_fits, every_width
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
@@ -29,14 +29,7 @@ def told(page: Any, name: str) -> str:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
     page = opened(size, color_scheme=scheme)
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    assert page.evaluate(
-        "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
-    )
-    ink, paper = (
-        page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("color", "background")
-    )
-    assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
+    assert_it_fits(page, size, scheme)
 
 
 @every_width

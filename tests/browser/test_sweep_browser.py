@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, every_width, rgb
+from sizes import DESKTOP, assert_it_fits, every_width
 from swept_cases import COMPUTED, GRID, NUMBERS, made_up, with_errors
 
 from fibermelt.report.sweep.page import render_sweep
@@ -31,15 +31,8 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
     page = opened(size, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
     assert page.locator("figure img").count() > 1
-    assert page.evaluate(
-        "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
-    )
-    ink, paper = (
-        page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("color", "background")
-    )
-    assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
+    assert_it_fits(page, size, scheme)
 
 
 @every_width

@@ -12,13 +12,13 @@ import resource
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
 
 import fake_sweeps
 import pytest
+from sweeping import PATIENCE, is_alive, lines, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
@@ -26,9 +26,6 @@ from fibermelt.errors import StoreError
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
-
-PATIENCE = 60.0
-"""Time [s] for processes to come up, or to go, on a busy machine."""
 
 TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
 """Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""
@@ -59,57 +56,14 @@ def dice(request):
     return random.Random(seed)
 
 
-@contextmanager
-def process(arguments, **environment):
-    """Run Python in a process of its own, of which nothing is left at the end."""
-    here = str(Path(fake_sweeps.__file__).parent)
-    path = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
-    running = subprocess.Popen(
-        [sys.executable, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        yield running
-    finally:
-        running.kill()
-        running.communicate(timeout=PATIENCE)
-
-
 def client(study, out, log, *options):
     arguments = [fake_sweeps.__file__, study, out, *options]
     return process(arguments, FAKE_LOG=str(log), **TAKES)
 
 
-def wait_for(condition, what, running=None):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if running is not None and running.poll() is not None:
-            pytest.fail(f"ended before {what}: {running.communicate()}")
-        assert time.monotonic() < deadline, f"no {what} in {PATIENCE} s"
-        time.sleep(0.01)
-
-
-def lines(log):
-    return log.read_text().splitlines() if log.exists() else []
-
-
 def computed(log):
     """Return what was computed, by its process, as lines such as ``flow 0.003``."""
     return [line.split(" ", 1)[1] for line in lines(log)]
-
-
-def workers_of(log):
-    return sorted({int(line.split()[0]) for line in lines(log)})
-
-
-def is_alive(pid):
-    try:
-        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
-    except FileNotFoundError:
-        return False
 
 
 def finished_work(out):

@@ -9,19 +9,16 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager, suppress
-from pathlib import Path
+from contextlib import suppress
 
 import fake_sweeps
 import fakes
 import pytest
+from sweeping import PATIENCE, PIPES, is_alive, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.study.sweep.pools import open_pool
-
-PATIENCE = 60.0
-"""Time [s] for processes to come up, or to go, on a busy machine."""
 
 COMMAND = """import fake_sweeps, fibermelt.study.chain
 fibermelt.study.chain.CHAIN = fake_sweeps.CHAIN
@@ -36,54 +33,22 @@ TAKES = {"FAKE_FLOW_TAKES": "0.05", "FAKE_MOTION_TAKES": "0.5"}
 SHELL_INTERRUPTED, SHELL_ENDED = 130, 143
 
 
-@contextmanager
 def sweeping(tmp_path, **options):
     """Run ``fibermelt sweep`` on two workers in a process group of its own, as a shell does."""
-    here = str(Path(fake_sweeps.__file__).parent)
-    path = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
     study = fake_sweeps.study_file(tmp_path)
-    arguments = ["sweep", study, "--out", tmp_path / "out", "--workers", "2"]
-    running = subprocess.Popen(
-        [sys.executable, "-c", COMMAND, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path, "FAKE_LOG": str(tmp_path / "log"), **TAKES},
-        text=True,
-        **{"start_new_session": True, **options},
-    )
-    try:
-        yield running
-    finally:
-        running.kill()
-        running.communicate(timeout=PATIENCE)
+    arguments = ["-c", COMMAND, "sweep", study, "--out", tmp_path / "out", "--workers", "2"]
+    options = {"start_new_session": True, **options}
+    return process(arguments, options, FAKE_LOG=str(tmp_path / "log"), **TAKES)
 
 
 def workers(tmp_path):
-    """Return the processes that computed something so far."""
-    log = tmp_path / "log"
-    lines = log.read_text().splitlines() if log.exists() else []
-    return {int(line.split()[0]) for line in lines}
-
-
-def is_alive(pid):
-    try:
-        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
-    except FileNotFoundError:
-        return False
-
-
-def wait_for(condition, what, running=None):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if running is not None and running.poll() is not None:
-            pytest.fail(f"ended before {what}: {running.communicate()}")
-        assert time.monotonic() < deadline, f"no {what} in {PATIENCE} s"
-        time.sleep(0.01)
+    return workers_of(tmp_path / "log")
 
 
 @pytest.mark.parametrize("times", [1, 3])
 def test_control_c_is_answered_by_one_line(tmp_path, times):
     """A terminal sends SIGINT to client and workers alike, also to one that replaced another."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with sweeping(tmp_path, **pipes) as running:
+    with sweeping(tmp_path, **PIPES) as running:
         wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
         os.kill(min(workers(tmp_path)), signal.SIGKILL)
         wait_for(lambda: len(workers(tmp_path)) == 3, "a worker in place of it", running)
@@ -153,8 +118,7 @@ def test_a_signal_to_end_leaves_nothing_behind(tmp_path, monkeypatch):
     """Neither workers nor what they wrote beside the results."""
     (tmp_path / "scratch").mkdir()
     monkeypatch.setenv("TMPDIR", str(tmp_path / "scratch"))
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with sweeping(tmp_path, **pipes) as running:
+    with sweeping(tmp_path, **PIPES) as running:
         wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
         running.terminate()
         _, complaints = running.communicate(timeout=PATIENCE)
