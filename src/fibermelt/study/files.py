@@ -164,12 +164,14 @@ def _is_dead(process: int) -> bool:
 
 def write_sealed(path: Path, content: Mapping[str, Any]) -> None:
     """Write JSON with its own digest in it, so that a later reader knows that it is whole."""
-    sealed = {"content": content, "sha256": digest(canonical(content))}
-    replace_file(path, json.dumps(sealed, indent=1).encode())
+    replace_file(path, sealed(content))
 
 
 def read_sealed(path: Path) -> dict[str, Any]:
     """Return the content of sealed JSON.
+
+    Every byte counts: the last of 17 digits need not change the number that is read, and no
+    digest of what is read would tell.
 
     Raises
     ------
@@ -178,14 +180,19 @@ def read_sealed(path: Path) -> dict[str, Any]:
     """
     with storage_errors(path):
         data = path.read_bytes()
-    try:
-        sealed = json.loads(data)
-        content, seal = sealed["content"], sealed["sha256"]
-        is_whole = digest(canonical(content)) == seal
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
-        msg = f"{path} is not what was written"
-        raise ValueError(msg) from error
-    if not is_whole or not isinstance(content, dict):
-        msg = f"{path} is not what was written"
-        raise ValueError(msg)
-    return content
+    is_compact = not data.startswith(b"{\n")
+    with suppress(ValueError, KeyError, TypeError, RecursionError):
+        content = json.loads(data)["content"]
+        if isinstance(content, dict) and sealed(content, compact=is_compact) == data:
+            return content
+    msg = f"{path} is not what was written"
+    raise ValueError(msg)
+
+
+def sealed(content: Mapping[str, Any], *, compact: bool = False) -> bytes:
+    """Return content as JSON with its own digest in it, for a reader or without a blank."""
+    body = canonical(content)
+    seal = digest(body)
+    if compact:
+        return b'{"content":%b,"sha256":"%b"}' % (body, seal.encode())
+    return json.dumps({"content": content, "sha256": seal}, indent=1).encode()

@@ -6,7 +6,6 @@ together in files that tell neither, so `Progress` counts what they cost.
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import StoreError
-from fibermelt.study.files import canonical, digest, read_sealed, replace_file
+from fibermelt.study.files import read_sealed, write_sealed
 from fibermelt.study.store import Record, Store
 from fibermelt.study.sweep.plan import FROM_NEIGHBOUR
 from fibermelt.study.sweep.record import read_asked
@@ -63,9 +62,7 @@ class Progress:
 
 def write_progress(cases: CaseStore, progress: Progress) -> None:
     """Write how far a folder is."""
-    content = asdict(progress)
-    data = {"content": content, "sha256": digest(canonical(content))}
-    replace_file(cases.progress, json.dumps(data).encode())
+    write_sealed(cases.progress, asdict(progress))
 
 
 def read_progress(cases: CaseStore) -> Progress:

@@ -16,7 +16,6 @@ JSON: no pickle is read, nothing that is read is run.
 from __future__ import annotations
 
 import io
-import json
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -26,12 +25,13 @@ from typing import Any
 
 from fibermelt.errors import StoreError
 from fibermelt.study.files import (
-    canonical,
     digest,
     read_sealed,
     remove_leftovers,
     replace_file,
+    sealed,
     storage_errors,
+    write_sealed,
 )
 from fibermelt.study.schema import SCHEMA, is_ours, no_folder
 from fibermelt.study.store import KEY_LENGTH, Store, stage_name
@@ -142,8 +142,7 @@ class CaseStore:
     def write_sweep(self, content: Mapping[str, Any]) -> None:
         """Write what was asked, unless it is there already."""
         path = self.directory / "sweep.json"
-        body = canonical({"schema": SCHEMA, **content})
-        data = b'{"content":' + body + b',"sha256":"' + digest(body).encode() + b'"}'
+        data = sealed({"schema": SCHEMA, **content}, compact=True)
         with storage_errors(path):
             if path.exists() and path.read_bytes() == data:
                 return
@@ -253,11 +252,7 @@ class CaseStore:
 
     def write_failure(self, failure: Failure) -> None:
         """Write why a stage has no answer."""
-        data = canonical(asdict(failure))
-        body = json.dumps(
-            {"content": asdict(failure), "sha256": digest(data)}, indent=1, allow_nan=False
-        )
-        replace_file(self._failure_path(failure.stage, failure.key), body.encode())
+        write_sealed(self._failure_path(failure.stage, failure.key), asdict(failure))
 
     def failures(self) -> dict[str, Failure]:
         """Return all stages that have no answer by their keys; a damaged file counts as none."""
