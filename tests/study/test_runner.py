@@ -73,6 +73,16 @@ def test_only_what_depends_on_a_change_is_computed_again(tmp_path):
     assert json.loads((tmp_path / "out/summary.json").read_text())["extreme"] == 2 * 0.003 * 6
 
 
+def test_what_is_on_show_follows_a_parameter_that_no_stage_reads(tmp_path):
+    """The folder said that nothing had changed, and went on showing another moisture."""
+    fakes.run(tmp_path / "out")
+    notes = fakes.run(tmp_path / "out", "voids.moisture=0.3 %")
+    assert notes.reused() == ["flow", "cell", "motion"]
+    shown = load_study(str(tmp_path / "out/config.toml")).config
+    assert shown.voids.moisture == 0.003
+    assert shown == load_study("paper", ["voids.moisture=0.3 %"]).config
+
+
 def test_fresh_computes_everything_again(tmp_path):
     fakes.run(tmp_path / "out")
     assert fakes.run(tmp_path / "out", fresh=True).reused() == []

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.study.loading import Study
+    from fibermelt.study.parameters import Value
 
 __all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions"]
 
@@ -108,7 +109,7 @@ class _Run:
         values = flatten(self.study.config)
         stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
-        key = self._key(stage_keys)
+        key = self._key(values, stage_keys)
         found = {} if fresh else self._stored(store, stage_keys)
         if (
             not fresh
@@ -201,10 +202,13 @@ class _Run:
     def _say(self, stage: Stage) -> Say:
         return lambda line: self.observer.step(stage.name, line)
 
-    def _key(self, stage_keys: Mapping[str, str]) -> str:
-        """Return the hash of all that the files on show depend on."""
+    def _key(self, values: Mapping[str, Value], stage_keys: Mapping[str, str]) -> str:
+        """Return the hash of all that the files on show depend on, but for the study's name.
+
+        Of every parameter: config.toml and the report show also those that no stage reads.
+        """
         content = {
-            "parts": sorted(self.study.config.study.parts),
+            "parameters": dict(values),
             "stages": dict(stage_keys),
             "version": self.chain.version,
             "fibermelt": version("fibermelt"),
