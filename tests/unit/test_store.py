@@ -1,5 +1,6 @@
 """The pieces that the store is made of: sealed files, atomic writes, locks, whose folder it is."""
 
+import errno
 import json
 import os
 import subprocess
@@ -14,8 +15,8 @@ from hypothesis import strategies as st
 from fibermelt.errors import StoreError
 from fibermelt.study.files import (
     canonical,
+    claimed,
     digest,
-    locked,
     partial,
     read_sealed,
     remove_leftovers,
@@ -116,16 +117,49 @@ def test_a_lock_is_held_by_one_at_a_time(tmp_path):
     seen = []
 
     def other():
-        with locked(tmp_path / "lock"):
+        with claimed(tmp_path / "lock", wait=True):
             seen.append("other")
 
-    with locked(tmp_path / "lock"):
+    with claimed(tmp_path / "lock", wait=True):
         thread = threading.Thread(target=other)
         thread.start()
         thread.join(timeout=0.05)
         seen.append("first")
     thread.join(timeout=10)
     assert seen == ["first", "other"]
+
+
+def test_who_does_not_wait_is_told_that_a_lock_is_taken(tmp_path):
+    path = tmp_path / "lock"
+    with claimed(path, wait=False) as first:
+        assert first
+        with claimed(path, wait=False) as second:
+            assert not second
+    assert not path.exists()
+
+
+def test_where_there_are_no_locks_nobody_waits(tmp_path, monkeypatch):
+    """A run on a network drive without locks ended with "choose another folder"."""
+    fcntl = pytest.importorskip("fcntl")
+
+    def none(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", none)
+    with (
+        claimed(tmp_path / "lock", wait=True) as ours,
+        claimed(tmp_path / "lock", wait=False) as too,
+    ):
+        assert ours
+        assert too
+
+
+def test_a_lock_that_cannot_be_made_names_its_file(tmp_path):
+    with (
+        pytest.raises(StoreError, match=r"none/lock: cannot be written.*no such file"),
+        claimed(tmp_path / "none/lock", wait=False),
+    ):
+        pass
 
 
 def test_a_new_folder_is_free(tmp_path):

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from fibermelt.errors import StoreError
 from fibermelt.study.files import digest
 from fibermelt.study.sweep.collection import Batch, Kept, reduce_results, stack
-from fibermelt.study.sweep.store import CaseStore, Failure, claimed, open_case_store
+from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store
 
 
 def kept(values, dimensions=(), units="Pa"):
@@ -164,17 +164,6 @@ def test_somebody_elses_sweep_is_not_overwritten(tmp_path):
     with pytest.raises(StoreError, match=r"holds sweep\.json.*not overwritten"):
         open_case_store(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["sweep.json"]
-
-
-def test_a_lock_has_one_owner(store):
-    path = store.lock("a" * 64)
-    with claimed(path, wait=False) as first:
-        assert first
-        with claimed(path, wait=False) as second:
-            assert not second
-    assert not path.exists()
-    with claimed(path, wait=True) as again:
-        assert again
 
 
 def test_what_is_kept_of_a_case():

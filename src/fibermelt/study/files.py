@@ -13,14 +13,14 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from fibermelt.errors import StoreError
 
 __all__ = [
     "canonical",
+    "claimed",
     "digest",
-    "locked",
     "partial",
     "read_sealed",
     "remove_leftovers",
@@ -64,20 +64,57 @@ def storage_errors(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Hold a lock on a file while others that want it wait; it goes when its process goes.
+def claimed(path: Path, *, wait: bool) -> Iterator[bool]:
+    """Hold a lock that goes when its process goes, and yield whether it is ours.
 
-    Where the operating system has no such lock (Windows) nobody waits: there, only one run at a
-    time may put files on show in a folder.
+    Where there is no such lock (Windows, some network drives) it is always ours: clients that
+    share a folder there may compute the same twice, to the same result.
+
+    Parameters
+    ----------
+    path : Path
+        A file of its own, removed at the end.
+    wait : bool
+        Whether to wait for who has it.
+
+    Raises
+    ------
+    StoreError
+        If the file cannot be made.
     """
     try:
         import fcntl  # noqa: PLC0415  there is none on Windows
     except ImportError:
-        yield
+        yield True
         return
-    with path.open("wb") as stream:
-        fcntl.flock(stream, fcntl.LOCK_EX)
-        yield
+    while True:
+        with storage_errors(path):
+            # Held to the end of the block below: no context manager spans the retries.
+            stream = path.open("ab")
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            stream.close()
+            yield False
+            return
+        except OSError:
+            break  # no locks on this file system
+        if _still_there(path, stream):
+            break
+        stream.close()
+    try:
+        yield True
+    finally:
+        path.unlink(missing_ok=True)
+        stream.close()
+
+
+def _still_there(path: Path, stream: BinaryIO) -> bool:
+    """Tell whether a file that was opened is the one that has its name now."""
+    try:
+        return os.fstat(stream.fileno()).st_ino == path.stat().st_ino
+    except FileNotFoundError:
+        return False
 
 
 def canonical(value: Any) -> bytes:

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import DamagedError, StoreError, legible
 from fibermelt.study.files import (
+    claimed,
     digest,
-    locked,
     partial,
     read_sealed,
     remove,
@@ -126,9 +126,8 @@ class Store:
         """Remove what `open` made if no stage was finished in it: a failure leaves nothing."""
         with suppress(OSError):
             names = {entry.name for entry in self._stages.iterdir()}
-            if self._made and names <= {"store.json", "lock"}:
-                for name in names:
-                    (self._stages / name).unlink(missing_ok=True)
+            if self._made and names <= {"store.json"}:
+                (self._stages / "store.json").unlink(missing_ok=True)
             for folder in self._made:
                 folder.rmdir()
 
@@ -223,7 +222,7 @@ class Store:
             If one of them was changed since it was written: it is not overwritten silently.
         """
         manifest = self._stages / "outputs.json"
-        with storage_errors(manifest), locked(self._stages / "lock"):
+        with storage_errors(manifest), claimed(self._stages / "lock", wait=True):
             if not manifest.exists():
                 return False
             try:
@@ -266,7 +265,7 @@ class Store:
                     path.relative_to(temporary).as_posix(): digest(path.read_bytes())
                     for path in written
                 }
-                with locked(self._stages / "lock"):
+                with claimed(self._stages / "lock", wait=True):
                     self._unlist(but=digests)
                     for name in digests:
                         (self.directory / name).parent.mkdir(parents=True, exist_ok=True)

@@ -15,10 +15,8 @@ JSON: no pickle is read, nothing that is read is run.
 
 from __future__ import annotations
 
-import io
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -37,7 +35,7 @@ from fibermelt.study.schema import SCHEMA, is_ours, no_folder
 from fibermelt.study.store import KEY_LENGTH, Store, stage_name
 from fibermelt.study.sweep.collection import Batch
 
-__all__ = ["CaseStore", "Failure", "claimed", "damaged_batch", "open_case_store", "stage_folder"]
+__all__ = ["CaseStore", "Failure", "damaged_batch", "open_case_store", "stage_folder"]
 
 
 NO_BATCH = (ValueError, KeyError, EOFError, zipfile.BadZipFile)
@@ -69,56 +67,6 @@ class Failure:
     reason: str
     parameters: Mapping[str, Any]
     lasting: bool
-
-
-@contextmanager
-def claimed(path: Path, *, wait: bool) -> Iterator[bool]:
-    """Hold a lock that goes when its process goes, and yield whether it is ours.
-
-    Where there is no such lock (Windows, some network drives) it is always ours: clients that
-    share a folder there may compute the same twice, to the same result.
-
-    Parameters
-    ----------
-    path : Path
-        A file of its own, removed at the end.
-    wait : bool
-        Whether to wait for who has it.
-    """
-    try:
-        import fcntl  # noqa: PLC0415  there is none on Windows
-    except ImportError:
-        yield True
-        return
-    while True:
-        # Held to the end of the block below: no context manager spans the retries.
-        stream = path.open("ab")
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except BlockingIOError:
-            stream.close()
-            yield False
-            return
-        except OSError:
-            break  # no locks on this file system
-        if _still_there(path, stream):
-            break
-        stream.close()
-    try:
-        yield True
-    finally:
-        path.unlink(missing_ok=True)
-        stream.close()
-
-
-def _still_there(path: Path, stream: io.BufferedWriter) -> bool:
-    """Tell whether a file that was opened is the one that has its name now."""
-    import os  # noqa: PLC0415  only here
-
-    try:
-        return os.fstat(stream.fileno()).st_ino == path.stat().st_ino
-    except FileNotFoundError:
-        return False
 
 
 class CaseStore:

@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import DamagedError, FibermeltError, StoreError
+from fibermelt.study.files import claimed
 from fibermelt.study.runner import software_versions
 from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
 from fibermelt.study.store import Record, Store, stage_name
 from fibermelt.study.sweep.collection import Kept, Reduced, reduce_results, stack
-from fibermelt.study.sweep.store import CaseStore, Failure, claimed
+from fibermelt.study.sweep.store import CaseStore, Failure
 from fibermelt.study.sweep.tasks import Folder, Outcome, Task
 
 if TYPE_CHECKING:
