@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
+
 __all__ = [
     "ConfigError",
     "ConvergenceError",
@@ -11,10 +13,14 @@ __all__ = [
     "MeshError",
     "StoreError",
     "legible",
+    "legible_path",
 ]
 
 LONGEST = 60
 """Characters of a key, a value or a unit that a message repeats: enough to know it again."""
+
+LONGEST_PATH = 4096
+"""Characters of a path that a message repeats: as many as Linux allows."""
 
 
 class FibermeltError(Exception):
@@ -65,3 +71,8 @@ def legible(text: str, longest: int = LONGEST) -> str:
         character if character.isprintable() else character.encode("unicode_escape").decode()
         for character in cut
     )
+
+
+def legible_path(path: PurePath) -> str:
+    """Return a path for a message of one line: whole, since it is what a person goes to."""
+    return legible(str(path), LONGEST_PATH)

@@ -15,6 +15,7 @@ from fibermelt.study.bead.summary import summarize_bead
 from fibermelt.study.config import Config
 from fibermelt.study.files import write_through
 from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.outputs import publish
 from fibermelt.study.schema import SCHEMA
 from fibermelt.study.store import Store
 from fibermelt.study.toml import resolved_toml
@@ -90,5 +91,5 @@ def store(folder: Path) -> Path:
         (into / "figures").mkdir()
         draw_figures(results, into / "figures")
 
-    Store.open(folder).publish("key", write)
+    publish(Store.open(folder).directory, "key", write)
     return folder

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fibermelt.cli.common import JsonOption, given_folder, say, told
-from fibermelt.errors import legible
+from fibermelt.errors import legible_path
 
 __all__ = ["report"]
 
@@ -29,18 +29,19 @@ def report(
     with told():
         from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
+        from fibermelt.study.outputs import has_run  # noqa: PLC0415
         from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
 
         folder = given_folder(directory)
         is_sweep = (folder / "sweep.json").exists()
         # A sweep that lost sweep.json is told how to get it back.
-        is_run = (folder / "stages" / "outputs.json").exists() or not CaseStore(folder).is_begun()
+        is_run = has_run(folder) or not CaseStore(folder).is_begun()
         path = write_report(folder) if is_run else write_sweep_report(folder).path
         answer: dict[str, str | int] = {"report": str(path), "bytes": path.stat().st_size}
-        lines = [legible(str(path), len(str(path)))]
+        lines = [legible_path(path)]
         if is_sweep and is_run:
             # A run into the folder of a sweep has the name report.html for itself.
             beside = write_sweep_report(folder).path
             answer["sweep_report"] = str(beside)
-            lines.append(legible(str(beside), len(str(beside))))
+            lines.append(legible_path(beside))
         say(json.dumps(answer) if as_json else "\n".join(lines))

@@ -20,7 +20,7 @@ from fibermelt.cli.common import (
     say,
     told,
 )
-from fibermelt.errors import ConfigError, legible
+from fibermelt.errors import ConfigError, legible, legible_path
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,10 +61,9 @@ def run(
             raise ConfigError(msg)
         folder = results_folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
-            shown = legible(str(folder), len(str(folder)))
             typer.echo(
-                f"note: {shown} shows a run of other parameters, which this one replaces; "
-                "name another folder with --out to keep both",
+                f"note: {legible_path(folder)} shows a run of other parameters, which this one "
+                "replaces; name another folder with --out to keep both",
                 err=True,
             )
         try:

@@ -19,8 +19,8 @@ from fibermelt.report.embed import embed_figures
 from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
 from fibermelt.report.templates import page_file, page_template
-from fibermelt.study.files import replace_file
 from fibermelt.study.finished import read_finished
+from fibermelt.study.outputs import replace_output
 from fibermelt.study.schema import REPORT
 
 if TYPE_CHECKING:
@@ -82,14 +82,14 @@ def write_report(directory: Path) -> Path:
     Raises
     ------
     StoreError
-        If the folder holds no finished run, what it holds was changed, or it cannot be written;
-        an older report is still there then.
+        If the folder holds no finished run, what it holds was changed, another run was put on
+        show meanwhile, or it cannot be written; an older report is still there then.
     """
     finished = read_finished(directory)
     page = render(finished.results, finished.summary, finished.drawn)
     path = directory / REPORT
     try:
-        replace_file(path, page)
+        replace_output(directory, REPORT, page, finished.run)
     except StoreError as error:
         if not isinstance(error.__cause__, OSError):
             raise

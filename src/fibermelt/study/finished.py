@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import StoreError, legible
-from fibermelt.study.files import digest, read_sealed
+from fibermelt.errors import StoreError, legible_path
+from fibermelt.study.files import digest
 from fibermelt.study.netcdf import from_bytes
+from fibermelt.study.outputs import Outputs, has_run, not_as_written, read_outputs
 from fibermelt.study.schema import SCHEMA, is_ours, no_folder
-from fibermelt.study.store import LONGEST_PATH, not_as_written
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +29,8 @@ class Finished:
 
     Parameters
     ----------
+    run : str
+        Its key.
     results : xarray.Dataset
         Content of results.nc.
     summary : mapping
@@ -37,6 +39,7 @@ class Finished:
         The figures that are as the run drew them, by their file names.
     """
 
+    run: str
     results: xr.Dataset
     summary: Mapping[str, Any]
     drawn: Mapping[str, bytes]
@@ -55,7 +58,7 @@ def finished_results(directory: Path) -> xr.Dataset:
     StoreError
         As `read_finished`; a summary that was changed does not matter here.
     """
-    return from_bytes(_whole(directory, "results.nc", _listed(directory)))
+    return from_bytes(_whole(directory, "results.nc", _on_show(directory)))
 
 
 def read_finished(directory: Path) -> Finished:
@@ -72,32 +75,28 @@ def read_finished(directory: Path) -> Finished:
         If it is no results folder, is of another schema, holds no finished run, or what is read
         is missing or was changed since it was written.
     """
-    listed = _listed(directory)
+    outputs = _on_show(directory)
     return Finished(
-        results=from_bytes(_whole(directory, "results.nc", listed)),
-        summary=json.loads(_whole(directory, "summary.json", listed)),
-        drawn=_drawn(directory, listed),
+        run=outputs.run,
+        results=from_bytes(_whole(directory, "results.nc", outputs)),
+        summary=json.loads(_whole(directory, "summary.json", outputs)),
+        drawn=_drawn(directory, outputs),
     )
 
 
-def _listed(directory: Path) -> Mapping[str, str]:
-    """Return the digests of the files on show."""
+def _on_show(directory: Path) -> Outputs:
+    """Return what is on show."""
     _refuse(directory)
-    manifest = directory / "stages" / "outputs.json"
-    if not manifest.exists():
-        shown = _shown(directory)
-        msg = (
-            f"{shown}: holds no finished run; `fibermelt run STUDY --out {shown}` goes on from the "
-            "stages that are there"
-        )
-        if (directory / "sweep.json").exists():
-            msg = f"{shown}: holds a sweep, and no finished run of a single study: {_NAME_ANOTHER}"
-        raise StoreError(msg)
-    try:
-        files: Mapping[str, str] = read_sealed(manifest)["files"]
-    except (ValueError, KeyError):
-        raise not_as_written(manifest) from None
-    return files
+    if has_run(directory):
+        return read_outputs(directory)
+    shown = legible_path(directory)
+    msg = (
+        f"{shown}: holds no finished run; `fibermelt run STUDY --out {shown}` goes on from the "
+        "stages that are there"
+    )
+    if (directory / "sweep.json").exists():
+        msg = f"{shown}: holds a sweep, and no finished run of a single study: {_NAME_ANOTHER}"
+    raise StoreError(msg)
 
 
 _NAME_ANOTHER = "name a folder that `fibermelt run` wrote, such as results/paper"
@@ -105,14 +104,14 @@ _NAME_ANOTHER = "name a folder that `fibermelt run` wrote, such as results/paper
 
 def _refuse(directory: Path) -> None:
     """Refuse what is no results folder of this schema."""
-    marker = directory / "stages" / "store.json"
+    shown, marker = legible_path(directory), directory / "stages" / "store.json"
     if not marker.is_file():
         what = no_folder(directory) or "is no results folder of fibermelt"
-        msg = f"{_shown(directory)}: {what}; {_NAME_ANOTHER}"
+        msg = f"{shown}: {what}; {_NAME_ANOTHER}"
         if is_ours(directory):
             msg = (
-                f"{_shown(marker)}: is missing; `fibermelt run STUDY --out {_shown(directory)}` "
-                "writes it anew, from the stages that are there"
+                f"{legible_path(marker)}: is missing; `fibermelt run STUDY --out {shown}` writes "
+                "it anew, from the stages that are there"
             )
         raise StoreError(msg)
     try:
@@ -121,17 +120,17 @@ def _refuse(directory: Path) -> None:
         raise not_as_written(marker) from None
     if schema != SCHEMA:
         msg = (
-            f"{_shown(marker)}: this results folder has schema {schema}, this fibermelt reads "
-            f"{SCHEMA}; run the study again into another folder, or use the fibermelt that wrote "
-            "this one"
+            f"{legible_path(marker)}: this results folder has schema {schema}, this fibermelt "
+            f"reads {SCHEMA}; run the study again into another folder, or use the fibermelt that "
+            "wrote this one"
         )
         raise StoreError(msg)
 
 
-def _drawn(directory: Path, listed: Mapping[str, str]) -> Mapping[str, bytes]:
+def _drawn(directory: Path, outputs: Outputs) -> Mapping[str, bytes]:
     """Return the figures that are there and unchanged; what is not is drawn again."""
     found = {}
-    for name, expected in listed.items():
+    for name, expected in outputs.files.items():
         path = directory / name
         if path.parent.name == "figures" and path.is_file():
             data = _read(path)
@@ -140,25 +139,22 @@ def _drawn(directory: Path, listed: Mapping[str, str]) -> Mapping[str, bytes]:
     return found
 
 
-def _whole(directory: Path, name: str, listed: Mapping[str, str]) -> bytes:
+def _whole(directory: Path, name: str, outputs: Outputs) -> bytes:
     """Return a file on show that is as it was written."""
     data = _read(directory / name)
-    if digest(data) != listed.get(name):
+    if digest(data) != outputs.files.get(name):
         raise not_as_written(directory / name)
     return data
 
 
 def _read(path: Path) -> bytes:
+    shown = legible_path(path)
     try:
         return path.read_bytes()
     except FileNotFoundError:
-        msg = f"{_shown(path)}: is missing; run the study again: it is written anew from the stages"
+        msg = f"{shown}: is missing; run the study again: it is written anew from the stages"
         raise StoreError(msg) from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        msg = f"{_shown(path)}: cannot be read: {reason}; make it readable, or run the study again"
+        msg = f"{shown}: cannot be read: {reason}; make it readable, or run the study again"
         raise StoreError(msg) from error
-
-
-def _shown(path: Path) -> str:
-    return legible(str(path), LONGEST_PATH)

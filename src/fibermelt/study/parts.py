@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import legible
+from fibermelt.errors import legible_path
 from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from fibermelt.study.parameters import Value
 
 __all__ = ["Chain", "Part", "in_words"]
-
-LONGEST_PATH = 4096
-"""Characters of the results folder that the words repeat: as many as Linux allows."""
 
 
 def no_fields(results: xr.Dataset, folder: Path) -> None:
@@ -104,7 +101,7 @@ def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Pat
         [
             *(line for part in parts for line in part.words(summary)),
             f"cost            {cost}",
-            f"results         {legible(str(folder), LONGEST_PATH)}",
-            f"report          {legible(str(folder / REPORT), LONGEST_PATH)}",
+            f"results         {legible_path(folder)}",
+            f"report          {legible_path(folder / REPORT)}",
         ]
     )

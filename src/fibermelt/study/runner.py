@@ -15,6 +15,7 @@ from fibermelt.errors import DamagedError, legible
 from fibermelt.software import versions_of
 from fibermelt.study.files import canonical, digest, write_through
 from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.outputs import is_published, publish
 from fibermelt.study.parameters import flatten
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
@@ -113,7 +114,7 @@ class _Run:
         found = {} if fresh else self._stored(store, stage_keys)
         if (
             not fresh
-            and store.published(key, but=self.study.path)
+            and is_published(store.directory, key, but=self.study.path)
             and all(map(found.get, stage_keys))
         ):
             self.observer.done("study", "nothing has changed: all results are up to date")
@@ -266,7 +267,7 @@ class _Run:
                 write_through(folder / REPORT, page)
                 self.observer.done("report", f"{len(page) / 1e6:.1f} MB")
 
-        store.publish(key, write)
+        publish(store.directory, key, write)
         return summary
 
 

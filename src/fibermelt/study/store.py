@@ -1,11 +1,11 @@
-"""The results folder: finished stages under the hash of what made them, and the files on show.
+"""The results folder: finished stages under the hash of what made them.
 
 ::
 
     DIR/config.toml  summary.json  results.nc  flow.vtu  figures/     what a person looks at
     DIR/stages/store.json                                             the schema of this folder
     DIR/stages/<stage>-<key>/data.nc, record.json                     a finished stage
-    DIR/stages/outputs.json                                           digests of what is on show
+    DIR/stages/outputs.json                     digests of what is on show (`study.outputs`)
 
 A stage is written under a temporary name and renamed when it is whole, so a killed run loses
 at most the stage that it was in. Every file is checked against its digest before it is used.
@@ -14,16 +14,15 @@ at most the stage that it was in. Every file is checked against its digest befor
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from dataclasses import replace as changed
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import DamagedError, StoreError, legible
+from fibermelt.errors import DamagedError, StoreError, legible_path
 from fibermelt.study.files import (
-    claimed,
     digest,
     partial,
     read_sealed,
@@ -40,13 +39,10 @@ from fibermelt.study.schema import SCHEMA, refuse_foreign
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Record", "Store", "not_as_written", "stage_name"]
+__all__ = ["KEY_LENGTH", "Record", "Store", "stage_name"]
 
 KEY_LENGTH = 20
 """Digits of a key in a file name: 80 bits; the record holds, and is checked for, all of them."""
-
-LONGEST_PATH = 4096
-"""Characters of a path that a message repeats: as many as Linux allows."""
 
 
 @dataclass(frozen=True)
@@ -205,88 +201,10 @@ class Store:
                 remove(temporary)
         return sealed
 
-    def published(self, run: str, *, but: Path | None = None) -> bool:
-        """Tell whether the files on show are those of a run, complete and unchanged.
-
-        Parameters
-        ----------
-        run : str
-            Key of the run.
-        but : Path, optional
-            A file that may have been changed: the study itself, where it is this config.toml.
-            It then no longer says what the results are of, and they count as not published.
-
-        Raises
-        ------
-        DamagedError
-            If one of them was changed since it was written: it is not overwritten silently.
-        """
-        manifest = self._stages / "outputs.json"
-        with storage_errors(manifest), claimed(self._stages / "lock", wait=True):
-            if not manifest.exists():
-                return False
-            try:
-                content = read_sealed(manifest)
-            except ValueError as error:
-                raise not_as_written(manifest) from error
-            complete = True
-            for name, expected in content["files"].items():
-                path = self.directory / name
-                if not path.exists():
-                    complete = False
-                elif digest(path.read_bytes()) != expected:
-                    if but is None or not path.samefile(but):
-                        raise not_as_written(path)
-                    complete = False
-            return complete and bool(content["run"] == run)
-
-    def publish(self, run: str, write: Callable[[Path], None]) -> None:
-        """Put the files of a run on show: all of them are written before the first is replaced.
-
-        Parameters
-        ----------
-        run : str
-            Key of the run.
-        write : callable
-            Writes the files into the folder that it is given.
-
-        Raises
-        ------
-        StoreError
-            If they cannot be written; what was on show before is still there then.
-        """
-        temporary = partial(self.directory)
-        with storage_errors(self.directory):
-            try:
-                temporary.mkdir()
-                write(temporary)
-                written = [path for path in sorted(temporary.rglob("*")) if path.is_file()]
-                digests = {
-                    path.relative_to(temporary).as_posix(): digest(path.read_bytes())
-                    for path in written
-                }
-                with claimed(self._stages / "lock", wait=True):
-                    self._unlist(but=digests)
-                    for name in digests:
-                        (self.directory / name).parent.mkdir(parents=True, exist_ok=True)
-                        (temporary / name).replace(self.directory / name)
-                    content = {"run": run, "files": digests}
-                    write_sealed(self._stages / "outputs.json", content)
-            finally:
-                remove(temporary)
-
     def _mark(self) -> None:
         """Say which schema this folder has; the write shows that it can be written at all."""
         self._stages.mkdir(parents=True, exist_ok=True)
         replace_file(self._stages / "store.json", json.dumps({"schema": SCHEMA}).encode())
-
-    def _unlist(self, but: Mapping[str, str]) -> None:
-        """Forget what is on show, and remove what no file of a new run will replace."""
-        manifest = self._stages / "outputs.json"
-        with suppress(ValueError, StoreError):
-            for name in set(read_sealed(manifest)["files"]) - set(but):
-                remove(self.directory / name)
-        manifest.unlink(missing_ok=True)
 
     def _folder(self, stage: str, key: str) -> Path:
         return self._stages / stage_name(stage, key)
@@ -316,17 +234,8 @@ def stage_name(stage: str, key: str) -> str:
     return f"{stage}-{key[:KEY_LENGTH]}"
 
 
-def not_as_written(path: Path) -> DamagedError:
-    """Return what to say of a file on show that is not what a run wrote, and how to mend it."""
-    return DamagedError(
-        f"{legible(str(path), LONGEST_PATH)}: is damaged, or was changed since it was written; "
-        "move it away and run the study again: it is written anew from the stages that are stored "
-        "(--fresh computes these anew too)"
-    )
-
-
 def _damaged_stage(path: Path) -> DamagedError:
     return DamagedError(
-        f"{legible(str(path), LONGEST_PATH)}: is damaged, or was changed since it was written; run "
+        f"{legible_path(path)}: is damaged, or was changed since it was written; run "
         "again: this stage alone is computed anew"
     )

@@ -21,6 +21,7 @@ from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
 from fibermelt.report.templates import page_file, page_template
 from fibermelt.study.files import replace_file
+from fibermelt.study.outputs import has_run
 from fibermelt.study.schema import REPORT
 from fibermelt.study.sweep.answer import answer_sweep
 from fibermelt.study.sweep.collect import collect_sweep
@@ -108,8 +109,7 @@ def write_sweep_report(directory: Path) -> SweepReport:
     collected = collect_sweep(directory)
     answer = answer_sweep(collected)
     page = _rendered(collected, read_computed(directory), answer)
-    is_run = (directory / "stages" / "outputs.json").exists()
-    path = directory / (BESIDE_A_RUN if is_run else REPORT)
+    path = directory / (BESIDE_A_RUN if has_run(directory) else REPORT)
     replace_file(path, page)
     return SweepReport(path, answer)
 
