@@ -100,6 +100,15 @@ def test_leftovers_of_another_machine_go_when_they_are_old(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == [young.name]
 
 
+@pytest.mark.parametrize("name", [".partial-notes", ".partial-a-b-c", ".partial-a-1-b-c"])
+def test_what_only_looks_like_a_leftover_stays(tmp_path, name):
+    """It ended every run into the folder with a traceback."""
+    (tmp_path / name).touch()
+    os.utime(tmp_path / name, (0, 0))
+    remove_leftovers(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
 @pytest.mark.skipif(not hasattr(os, "waitid"), reason="no zombies here")
 def test_what_a_dead_process_left_goes_although_nobody_waited_for_it(tmp_path):
     """Its number is still taken until its parent, or whoever adopts it, asks for its end."""

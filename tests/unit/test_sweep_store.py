@@ -1,5 +1,6 @@
 """The files of a sweep: whole or not there, without objects, locked while somebody is at them."""
 
+import errno
 import io
 import pickle
 import zipfile
@@ -72,6 +73,38 @@ def test_every_damaged_batch_is_known(at, bit, cut, tmp_path_factory):
     assert store.damaged == [path]
     assert store.discard_damaged() == [path]
     assert not path.exists()
+
+
+def test_a_batch_that_cannot_be_read_is_not_taken_for_damaged(store, monkeypatch):
+    """It would be removed as damaged, although a drive that is back has it whole."""
+    store.write_batch(batch("a", "b"))
+    (path,) = store.folder.glob("batch-*")
+
+    def stale(_):
+        raise OSError(errno.ESTALE, "Stale file handle")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "read_bytes", stale)
+        with pytest.raises(StoreError, match=r"batch-.*npz: cannot be written or read: stale"):
+            store.refresh()
+    assert store.discard_damaged() == []
+    assert path.exists()
+    assert store.refresh() == {"a", "b"}
+
+
+def test_a_batch_that_goes_while_it_is_read_is_not_there(store, monkeypatch):
+    store.write_batch(batch("a", "b"))
+    assert store.refresh() == {"a", "b"}
+    refresh = CaseStore.refresh
+
+    def then_gone(self):
+        found = refresh(self)
+        for path in self.folder.glob("batch-*"):
+            path.unlink()
+        return found
+
+    monkeypatch.setattr(CaseStore, "refresh", then_gone)
+    assert list(store.batches()) == []
 
 
 class Explosive:

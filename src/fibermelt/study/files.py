@@ -175,7 +175,10 @@ def remove(path: Path) -> None:
 
 
 def _is_abandoned(leftover: Path) -> bool:
-    host, process, token = leftover.name.removeprefix(PARTIAL).split("-")
+    parts = leftover.name.removeprefix(PARTIAL).split("-")
+    if len(parts) != 3 or not parts[1].isdecimal():
+        return False  # no name of ours
+    host, process, token = parts
     if host == socket.gethostname().replace("-", "_") and os.name == "posix":
         if _is_dead(int(process)):
             return True

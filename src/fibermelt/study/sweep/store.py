@@ -21,7 +21,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fibermelt.errors import StoreError
+from fibermelt.errors import DamagedError, StoreError
 from fibermelt.study.files import (
     digest,
     read_sealed,
@@ -138,6 +138,11 @@ class CaseStore:
         """Return the keys of all finished cases; only files that are new are read.
 
         Files that are damaged are named in ``damaged``, and their cases count as not finished.
+
+        Raises
+        ------
+        StoreError
+            If a file cannot be read: it may be whole.
         """
         found: dict[str, tuple[str, ...]] = {}
         self.damaged = []
@@ -148,10 +153,9 @@ class CaseStore:
                 found[name] = self._results[name]
                 continue
             try:
-                found[name] = Batch.keys_in(self._whole(name))
-            except FileNotFoundError:
-                continue
-            except (StoreError, *NO_BATCH):
+                if (data := self._whole(name)) is not None:
+                    found[name] = Batch.keys_in(data)
+            except (DamagedError, *NO_BATCH):
                 self.damaged.append(self.folder / name)
         self._results = found
         return {key for keys in found.values() for key in keys}
@@ -161,7 +165,8 @@ class CaseStore:
         self.refresh()
         for name in self._results:
             try:
-                yield Batch.from_bytes(self._whole(name))
+                if (data := self._whole(name)) is not None:
+                    yield Batch.from_bytes(data)
             except NO_BATCH as error:
                 msg = f"{self.folder / name}: no sweep wrote this: remove it and resume"
                 raise StoreError(msg) from error
@@ -189,11 +194,16 @@ class CaseStore:
                 path.unlink(missing_ok=True)
         return gone
 
-    def _whole(self, name: str) -> bytes:
-        """Return the bytes of a file that are those which its name tells."""
-        data = (self.folder / name).read_bytes()
+    def _whole(self, name: str) -> bytes | None:
+        """Return the bytes of a file, those which its name tells; None if it was removed."""
+        path = self.folder / name
+        with storage_errors(path):
+            try:
+                data = path.read_bytes()
+            except FileNotFoundError:
+                return None
         if digest(data)[:KEY_LENGTH] != name.removeprefix("batch-").removesuffix(".npz"):
-            raise damaged_batch(self.folder / name)
+            raise damaged_batch(path)
         return data
 
     # What has no answer.
@@ -274,9 +284,9 @@ def _failure(path: Path) -> Failure | None:
         return None
 
 
-def damaged_batch(path: Path) -> StoreError:
+def damaged_batch(path: Path) -> DamagedError:
     """Return what is to be said of numbers of cases that are not what was written."""
-    return StoreError(
+    return DamagedError(
         f"{path}: is damaged, or was changed since it was written; fibermelt resume "
         f"{path.parent.parent} computes its cases anew"
     )
