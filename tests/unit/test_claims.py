@@ -8,19 +8,10 @@ import xarray as xr
 from drawn_bead import made_up
 
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims.judge import (
-    QUANTITIES,
-    STAGES_OF,
-    Claim,
-    Judgement,
-    claims,
-    claims_in_words,
-    claims_stage,
-    fed_by_parts,
-    measured,
-    summarize_claims,
-)
+from fibermelt.study.claims.judge import QUANTITIES, Claim, Judgement, claims, measured
 from fibermelt.study.claims.judge import judge as judged
+from fibermelt.study.claims.stage import STAGES_OF, claims_stage, fed_by_parts
+from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.loading import load_study
 from fibermelt.study.parameters import flatten
 from fibermelt.study.stages import Parameters

@@ -15,13 +15,8 @@ from fibermelt.study.bead.flow import (
     write_fields,
 )
 from fibermelt.study.bead.summary import bead_in_words, summarize_bead
-from fibermelt.study.claims.judge import (
-    CLAIM_TABLES,
-    claims_in_words,
-    claims_stage,
-    fed_by_parts,
-    summarize_claims,
-)
+from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
+from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
 from fibermelt.study.orientation.interaction import interaction_stage
 from fibermelt.study.orientation.stages import content_stage, orientation_stage, stall_stage

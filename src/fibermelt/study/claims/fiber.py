@@ -1,12 +1,11 @@
-"""What claims on single fibers and on suspensions are judged by; see `study.quantities`."""
+"""What claims on single fibers and on suspensions are judged by; see `claims.quantities`."""
 
 from __future__ import annotations
 
-import tomllib
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.study.claims.quantities import NotStoredError, by_name, needing
+from fibermelt.study.claims.quantities import NotStoredError, Quantity, needing, study_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,8 +16,11 @@ if TYPE_CHECKING:
 
 __all__ = ["FIBER"]
 
-orbits = partial(needing, part="orbits")
-suspension = partial(needing, part="interaction")
+FIBER: dict[str, Quantity] = {}
+"""The quantities of single fibers and suspensions, by their names."""
+
+orbits = partial(needing, FIBER, part="orbits")
+suspension = partial(needing, FIBER, part="interaction")
 
 CELL, UNBOUNDED = "confined-ellipse", "ellipse"
 
@@ -184,7 +186,7 @@ def interaction_of_content(results: xr.Dataset) -> float:
 @suspension("interaction_coefficient")
 def content_over_concentrated(results: xr.Dataset) -> float:
     """Return the fiber content over that at which a suspension is concentrated, ``1/r_e``."""
-    study = tomllib.loads(results.attrs["config"])
+    study = study_of(results)
     return float(study["interaction"]["volume_fraction"] * study["fiber"]["aspect_ratio"])
 
 
@@ -228,28 +230,3 @@ def _of_six(results: xr.Dataset) -> None:
     if ratio != 6.0:
         msg = f"the paper's polynomials are for an aspect ratio of 6, the study's is {ratio:g}"
         raise NotStoredError(msg)
-
-
-FIBER = by_name(
-    jeffery_period_error,
-    period_error_over_aspect_ratios,
-    period_error_over_shear_rates,
-    period_with_aspect_ratio,
-    period_times_shear_rate,
-    period_over_viscosities,
-    pressure_with_aspect_ratio,
-    pressure_with_shear_rate,
-    pressure_with_viscosity,
-    base_pressure,
-    angle_at_lowest,
-    place_of_lowest,
-    circle_variation,
-    interaction_of_content,
-    content_over_concentrated,
-    stall_angle_difference,
-    preferred_angle_difference,
-    preferred_angle_difference_paper,
-    domain_size_difference_paper,
-    domain_size_of_content,
-)
-"""The quantities of single fibers and suspensions, by their names."""

@@ -12,36 +12,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from fibermelt.study.claims.bead import BEAD
 from fibermelt.study.claims.fiber import FIBER
+from fibermelt.study.claims.flow import FLOW
 from fibermelt.study.claims.quantities import NotStoredError, Quantity
 from fibermelt.study.claims.voids import VOIDS
-from fibermelt.study.parameters import flatten
-from fibermelt.study.stages import Inputs, Parameters, Say
-from fibermelt.study.toml import as_toml
-from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.study.parameters import Value
+__all__ = ["QUANTITIES", "Claim", "Judgement", "Verdict", "claims", "judge", "measured"]
 
-__all__ = [
-    "CLAIM_TABLES",
-    "Claim",
-    "Judgement",
-    "claims",
-    "claims_in_words",
-    "claims_stage",
-    "fed_by_parts",
-    "judge",
-    "measured",
-    "summarize_claims",
-]
-
-QUANTITIES: Mapping[str, Quantity] = {**BEAD, **FIBER, **VOIDS}
+QUANTITIES: Mapping[str, Quantity] = {**FLOW, **BEAD, **FIBER, **VOIDS}
 """What claims are judged by, by name."""
 
 Verdict = Literal["holds", "differs", "cannot be judged"]
@@ -212,109 +196,3 @@ def judge(claim: Claim, value: float, missing: str = "", *, as_in_paper: bool = 
         return Judgement(claim, value, "differs", f"{missed}; the conditions are not the paper's")
     reason = f"{missed}: {claim.known}" if claim.known else f"{missed}, for no reason that we know"
     return Judgement(claim, value, "differs", reason)
-
-
-CLAIM_TABLES = ("flow", "fiber", "interaction")
-"""What of a study the quantities read besides the results."""
-
-STAGES_OF = {
-    "bead": ("streamlines", "motion"),
-    "interaction": ("content", "interaction", "stall"),
-    "orbits": ("orbits",),
-    "voids": ("streamlines", "voids"),
-}
-"""The stages that claims are judged by, by the part of a study that has them."""
-
-
-def fed_by_parts(values: Mapping[str, Value]) -> tuple[str, ...]:
-    """Return the stages that the claims are fed, as far as a study has their parts."""
-    parts: Any = values["study.parts"]
-    asked = [name for part, names in STAGES_OF.items() if part in parts for name in names]
-    return tuple(dict.fromkeys(asked))
-
-
-def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Measure what the paper's claims are judged by."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the other stages
-    import xarray as xr  # noqa: PLC0415
-
-    results = xr.merge(
-        inputs.values(), combine_attrs="drop", compat="identical", join="exact"
-    ).assign_attrs(config=as_toml(parameters))
-    found = [measured(claim, results) for claim in claims()]
-    say(f"{np.count_nonzero([not missing for _, missing in found])} of {len(found)} claims")
-    return labelled(
-        {
-            "claim": [claim.id for claim in claims()],
-            "claim_value": [value for value, _ in found],
-            "claim_missing": [missing for _, missing in found],
-        }
-    )
-
-
-CONDITIONS = ("flow", "melt", "fiber", "streamlines", "interaction", "sensitivity", "numerics")
-"""The tables of a study that make its conditions."""
-
-
-def has_conditions_of_paper(results: xr.Dataset) -> bool:
-    """Tell whether results are of the paper's study, whatever parts of it were computed."""
-    from fibermelt.study.loading import load_study  # noqa: PLC0415  the claims' only use of it
-
-    tables = tomllib.loads(results.attrs.get("config", ""))
-    paper = tomllib.loads(as_toml(flatten(load_study("paper").config)))
-    return all(tables.get(name) == paper[name] for name in CONDITIONS)
-
-
-def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
-    """Return what summary.json says of the claims.
-
-    Parameters
-    ----------
-    results : xarray.Dataset
-        As in results.nc, with the claims' quantities.
-
-    Returns
-    -------
-    dict
-        ``{"claims": [{"id", "section", "statement", "measure", "paper", "ours", "verdict",
-        "reason"}, ...]}``, numbers with their units as text.
-    """
-    values = dict(zip(results["claim"].to_numpy(), results["claim_value"].to_numpy(), strict=True))
-    why = dict(zip(results["claim"].to_numpy(), results["claim_missing"].to_numpy(), strict=True))
-    same = has_conditions_of_paper(results)
-    found = [
-        judge(claim, float(values[claim.id]), str(why[claim.id]), as_in_paper=same)
-        for claim in claims()
-    ]
-    return {
-        "claims": [
-            {
-                "id": one.claim.id,
-                "section": one.claim.section,
-                "statement": one.claim.statement,
-                "measure": one.claim.measure,
-                "paper": one.claim.said,
-                "ours": one.ours,
-                "verdict": one.verdict,
-                "reason": one.reason,
-            }
-            for one in found
-        ]
-    }
-
-
-def claims_in_words(summary: Mapping[str, Any]) -> list[str]:
-    """Return the claims' verdicts as a table for a terminal, and how many there are of each."""
-    rows = [
-        (one["id"], one["paper"], one["ours"] or "-", one["verdict"]) for one in summary["claims"]
-    ]
-    heads = ("claim", "the paper", "ours", "verdict")
-    widths = [max(len(row[k]) for row in (heads, *rows)) for k in range(len(heads))]
-    lines = [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        for row in (heads, *rows)
-    ]
-    verdicts = [one["verdict"] for one in summary["claims"]]
-    kinds: tuple[Verdict, ...] = ("holds", "differs", "cannot be judged")
-    tally = ", ".join(f"{verdicts.count(kind)} {kind}" for kind in kinds)
-    return ["", *lines, "", f"claims          {tally}"]

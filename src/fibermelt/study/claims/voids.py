@@ -1,4 +1,4 @@
-"""What claims on voids over the bead are judged by; see `fibermelt.study.claims.quantities`.
+"""What claims on voids over the bead are judged by; see `claims.quantities`.
 
 The profile goes from the bed to the free surface. Each quantity is the rank correlation of a
 layer's height and its lowest pressure: 1 where the risk falls from each layer to the one above.
@@ -9,14 +9,17 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.study.claims.quantities import NotStoredError, by_name, needing
+from fibermelt.study.claims.quantities import NotStoredError, Quantity, needing
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["VOIDS"]
 
-needs = partial(needing, part="voids")
+VOIDS: dict[str, Quantity] = {}
+"""The quantities of voids over the bead, by their names."""
+
+needs = partial(needing, VOIDS, part="voids")
 
 FEWEST_LAYERS = 3
 """Layers that a trend takes."""
@@ -68,13 +71,3 @@ def void_profile_of_bounds_all(results: xr.Dataset) -> float:
 def void_profile_of_spheroids(results: xr.Dataset) -> float:
     """Return the trend of an unbounded spheroid in any direction, without singular streamlines."""
     return _rise(results, "void_layer_mean_pressure", "regular", "spheroid")
-
-
-VOIDS = by_name(
-    void_profile_of_fibers,
-    void_profile_of_fibers_all,
-    void_profile_of_bounds,
-    void_profile_of_bounds_all,
-    void_profile_of_spheroids,
-)
-"""The quantities of voids over the bead, by their names."""
