@@ -255,7 +255,7 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     if twice := sorted({key for key in seen if seen.count(key) > 1}):
         msg = f"sweep: {twice[0]} varies twice: name it once"
         raise ConfigError(msg)
-    settings = read_settings(table, axes)
+    settings = read_settings(table, [axis.name for axis in axes])
     sweep = Sweep(
         tables=study.tables,
         axes=axes,
@@ -285,21 +285,6 @@ def _fits(sweep: Sweep) -> None:
                 '"latin-hypercube", "sobol" or "saltelli" with a number of samples'
             )
             raise ConfigError(msg)
-    if sampled and sweep.samples < 1:
-        msg = f'sweep.samples = {sweep.samples}: design = "{sweep.design}" needs at least one'
-        raise ConfigError(msg)
-    if sweep.design in {"saltelli", "sobol"} and sweep.samples.bit_count() != 1:
-        below = 1 << (sweep.samples.bit_length() - 1)
-        needs, rest = (
-            ("a Saltelli design", f"each is a block of {len(sweep.axes) + 2} cases")
-            if sweep.design == "saltelli"
-            else ("a Sobol sequence", 'a Latin hypercube, design = "latin-hypercube", takes any')
-        )
-        msg = (
-            f"sweep.samples = {sweep.samples}: {needs} needs a power of two, such as "
-            f"{below} or {2 * below}; {rest}"
-        )
-        raise ConfigError(msg)
     if sweep.count > MOST_CASES:
         msg = f"sweep: {sweep.count} cases, at most {MOST_CASES}: take fewer values, or samples"
         raise ConfigError(msg)

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+from typing import Any, Literal, cast, get_args
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.parameters import excerpt
-
-if TYPE_CHECKING:
-    from fibermelt.study.sweep.axes import Axis
 
 __all__ = ["SAMPLED", "SETTINGS", "Design", "Settings", "read_settings"]
 
@@ -46,15 +43,15 @@ class Settings:
     weight: str
 
 
-def read_settings(table: Mapping[str, Any], axes: Sequence[Axis]) -> Settings:
+def read_settings(table: Mapping[str, Any], varying: Sequence[str]) -> Settings:
     """Return the settings of a table ``[sweep]``.
 
     Parameters
     ----------
     table : mapping
         The table.
-    axes : sequence of Axis
-        What varies by it.
+    varying : sequence of str
+        Keys under which what varies is told (`Axis.name`).
 
     Raises
     ------
@@ -67,9 +64,11 @@ def read_settings(table: Mapping[str, Any], axes: Sequence[Axis]) -> Settings:
         msg = f'sweep.design = "{excerpt(design)}": must be {choices}'
         raise ConfigError(msg)
     samples, seed = _whole(table, "samples"), _whole(table, "seed")
-    if design not in SAMPLED:
+    if design in SAMPLED:
+        _refuse_samples(samples, design, len(varying))
+    else:
         _refuse_unused(table, design)
-    return Settings(cast("Design", design), samples, seed, _weight(table, axes))
+    return Settings(cast("Design", design), samples, seed, _weight(table, varying))
 
 
 def _refuse_unused(table: Mapping[str, Any], design: str) -> None:
@@ -87,6 +86,25 @@ def _refuse_unused(table: Mapping[str, Any], design: str) -> None:
         raise ConfigError(msg)
 
 
+def _refuse_samples(samples: int, design: str, axes: int) -> None:
+    """Refuse a number of samples that a design cannot have."""
+    if samples < 1:
+        msg = f'sweep.samples = {samples}: design = "{design}" needs at least one'
+        raise ConfigError(msg)
+    if design in {"saltelli", "sobol"} and samples.bit_count() != 1:
+        below = 1 << (samples.bit_length() - 1)
+        needs, rest = (
+            ("a Saltelli design", f"each is a block of {axes + 2} cases")
+            if design == "saltelli"
+            else ("a Sobol sequence", 'a Latin hypercube, design = "latin-hypercube", takes any')
+        )
+        msg = (
+            f"sweep.samples = {samples}: {needs} needs a power of two, such as {below} or "
+            f"{2 * below}; {rest}"
+        )
+        raise ConfigError(msg)
+
+
 def _whole(table: Mapping[str, Any], name: str) -> int:
     value = table.get(name, 0)
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
@@ -95,15 +113,15 @@ def _whole(table: Mapping[str, Any], name: str) -> int:
     return value
 
 
-def _weight(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
+def _weight(table: Mapping[str, Any], varying: Sequence[str]) -> str:
     """Return the key by whose value cases are weighed."""
     if "weight" not in table:
         return ""
-    weight, names = table["weight"], [axis.name for axis in axes]
-    if weight not in names:
+    weight = table["weight"]
+    if weight not in varying:
         msg = (
             f'sweep.weight = "{excerpt(weight)}": must be one of the keys that are sampled, such '
-            f"as {names[0]}"
+            f"as {varying[0]}"
         )
         raise ConfigError(msg)
     return str(weight)
