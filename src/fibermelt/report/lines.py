@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.report.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
+from fibermelt.study.claims.summary import has_conditions_of_paper
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,8 +93,8 @@ def center_feature(results: xr.Dataset) -> Feature:
 
 
 def against_paper(results: xr.Dataset, text: str) -> str:
-    """Return a sentence that sets results beside the paper's text: of the paper's study only."""
-    return f" {text}" if results.attrs.get("title", "").endswith("study paper") else ""
+    """Return a sentence that sets results beside the paper's text: under its conditions only."""
+    return f" {text}" if has_conditions_of_paper(results) else ""
 
 
 def regular(results: xr.Dataset) -> NDArray[np.bool_]:
