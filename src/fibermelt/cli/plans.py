@@ -19,7 +19,7 @@ from fibermelt.cli.common import (
     say,
     told,
 )
-from fibermelt.errors import ConfigError, legible
+from fibermelt.errors import legible
 
 if TYPE_CHECKING:
     from fibermelt.study.parameters import Declaration
@@ -54,12 +54,10 @@ def plan(
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
         from fibermelt.study.loading import load_study  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep.pools import cores  # noqa: PLC0415
+        from fibermelt.study.sweep.pools import cores, refuse_workers  # noqa: PLC0415
         from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
 
-        if workers is not None and workers < 0:
-            msg = f"--workers {workers}: must be at least 0 (0: in one process, without a cluster)"
-            raise ConfigError(msg)
+        refuse_workers(workers, None)
         swept = load_study(study, sets or [], over or [])
         folder = results_folder(out, swept.name)
         count = cores() if workers is None else max(workers, 1)
