@@ -30,6 +30,9 @@ CHAINED = """preset = "paper"
 """
 """Each gap within reach of the next only: 3.9 mm is from cold, and one way has two steps."""
 
+WIDE = "1000"
+"""Columns of a terminal that breaks no line: what is said is looked for, not where it is broken."""
+
 COLD, WARM, CASE = 30.0, 12.0, 0.5
 """Cost of flows and of a case [s], as made up as the chain."""
 
@@ -38,6 +41,7 @@ COLD, WARM, CASE = 30.0, 12.0, 0.5
 def cheap(monkeypatch):
     """Let the commands run the chain that costs nothing."""
     monkeypatch.setattr("fibermelt.study.chain.CHAIN", fake_sweeps.CHAIN)
+    monkeypatch.setenv("COLUMNS", WIDE)
 
 
 def fibermelt(*arguments):
@@ -226,6 +230,24 @@ def test_a_plan_has_the_units_and_words_of_a_study(tmp_path):
     assert "flow.gap = 6.4 mm, voids.temperature = 225 °C\n" in told
     assert re.search(r"once the folder has some of its .*\bflow from a neighbour,", told)
     assert "warm" not in told
+
+
+def test_lines_are_as_long_as_the_terminal_is_wide(chained, monkeypatch):
+    study, out = chained
+    commands = (
+        ("plan", study, "--out", out),
+        ("validate", study),
+        ("status", out),
+        ("collect", out),
+    )
+    for command in commands:
+        monkeypatch.setenv("COLUMNS", WIDE)
+        whole = fibermelt(*command).stdout
+        monkeypatch.setenv("COLUMNS", "80")
+        told = fibermelt(*command).stdout
+        assert told.split() == whole.split()
+        # Paths are never broken.
+        assert [line for line in told.splitlines() if len(line) > 80 and str(out) not in line] == []
 
 
 @pytest.mark.parametrize("command", ["resume", "status", "report", "clean", "collect"])

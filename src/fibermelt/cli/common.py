@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -24,6 +25,7 @@ __all__ = [
     "SetOption",
     "StudyArgument",
     "WorkersOption",
+    "columns",
     "given_folder",
     "named_folder",
     "results_folder",
@@ -126,6 +128,13 @@ def told() -> Iterator[None]:
         for fault in faults:
             typer.echo(f"error: {legible(fault, len(fault))}", err=True)
         raise typer.Exit(MISTAKE) from None
+
+
+def columns() -> int:
+    """Return how many columns the terminal has that standard output is, or is to have."""
+    from fibermelt.study.wrapping import WIDTH  # noqa: PLC0415  lazy: help needs none of it
+
+    return shutil.get_terminal_size((WIDTH, 0)).columns
 
 
 def say(text: str, *, newline: bool = True) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -23,6 +23,7 @@ from fibermelt.cli.common import (
     SetOption,
     StudyArgument,
     WorkersOption,
+    columns,
     given_folder,
     results_folder,
     say,
@@ -188,7 +189,15 @@ def _go(
 
         path, answer = write_sweep_report(folder)
         if not as_json:
-            say("\n".join([f"report          {_shown(path)}", *answer]))
+            say(f"report          {_shown(path)}")
+            _tell(answer)
+
+
+def _tell(lines: Iterable[str]) -> None:
+    """Print lines for a person that hold no path, none longer than the terminal is wide."""
+    from fibermelt.study.wrapping import wrapped  # noqa: PLC0415  lazy, as in _watching
+
+    say(wrapped(lines, columns()))
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:
@@ -223,10 +232,11 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
             for name, cost in found["stages"].items()
         ]
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
-        lines += [f"damaged: {path}" for path in found["damaged"]]
+        _tell(lines)
+        for path in found["damaged"]:
+            say(f"damaged: {path}")
         if found["pending"] or found["damaged"]:
-            lines.append(f"go on with fibermelt resume {_quoted(folder)}")
-        say("\n".join(lines))
+            say(f"go on with fibermelt resume {_quoted(folder)}")
 
 
 def _started(cost: Mapping[str, Any]) -> str:
@@ -313,11 +323,15 @@ def collect(
         if as_json:
             say(json.dumps(summary, indent=1))
             return
-        say(
-            f"{_shown(path)}: {summary['done']} of {summary['cases']} cases, "
-            f"{summary['failed']} failed, {summary['pending']} to do; "
-            f"{len(dataset.data_vars)} variables over {', '.join(map(str, dataset.sizes))}"
+        over = ", ".join(map(str, dataset.sizes))
+        _tell(
+            [
+                f"cases           {summary['done']} of {summary['cases']} done, "
+                f"{summary['failed']} failed, {summary['pending']} to do",
+                f"variables       {len(dataset.data_vars)} over {over}",
+            ]
         )
+        say(f"file            {_shown(path)}")
 
 
 def _quoted(path: Path) -> str:
