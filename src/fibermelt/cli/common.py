@@ -16,7 +16,6 @@ import typer
 from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
 
 __all__ = [
-    "ENDED",
     "INTERRUPTED",
     "ColdOption",
     "JsonOption",
@@ -44,9 +43,6 @@ SHIPPED = (
     "population, uncertain"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
-
-ENDED = 143
-"""Exit code after a signal to end (128 + SIGTERM)."""
 
 StudyArgument = Annotated[
     str,

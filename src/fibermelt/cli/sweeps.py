@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
-import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fibermelt.cli.common import (
-    ENDED,
     INTERRUPTED,
     ColdOption,
     JsonOption,
@@ -29,6 +26,7 @@ from fibermelt.cli.common import (
     say,
     told,
 )
+from fibermelt.cli.signals import Ended, ended_in_order
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.progress import Silent
 
@@ -57,24 +55,6 @@ RetryOption = Annotated[
 
 NETCDF = "sweep.nc"
 """What the collected numbers are called in a results folder."""
-
-
-class _Ended(KeyboardInterrupt):
-    """A signal to end: batch systems and `kill` send it where a person presses Ctrl-C."""
-
-
-@contextmanager
-def _ended_in_order() -> Iterator[None]:
-    """Have SIGTERM end a sweep as Ctrl-C does, so that nothing of its cluster is left."""
-
-    def end(number: int, frame: FrameType | None) -> None:
-        raise _Ended
-
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 class _Notes(Silent):
@@ -167,7 +147,7 @@ def _go(
 
         swept, study, folder = read()
         try:
-            with _ended_in_order(), _watching(as_json=as_json) as observer:
+            with ended_in_order(), _watching(as_json=as_json) as observer:
                 summary = run_sweep(
                     swept,
                     study,
@@ -182,7 +162,7 @@ def _go(
             kept = f"finished cases are kept, fibermelt resume {_quoted(folder)} goes on"
             is_begun = (folder / "sweep.json").exists()
             typer.echo(f"interrupted: {kept if is_begun else 'nothing was begun'}", err=True)
-            raise typer.Exit(ENDED if isinstance(ended, _Ended) else INTERRUPTED) from None
+            raise typer.Exit(ended.code if isinstance(ended, Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415

@@ -20,7 +20,9 @@ from fibermelt.errors import StoreError
 __all__ = [
     "canonical",
     "digest",
+    "has_dead_maker",
     "locked",
+    "made_name",
     "partial",
     "read_sealed",
     "remove_leftovers",
@@ -98,10 +100,44 @@ def write_through(path: Path, data: bytes) -> None:
         os.fsync(stream.fileno())
 
 
+def made_name(prefix: str) -> str:
+    """Return a name that nothing else has, and that tells which process gave it.
+
+    Parameters
+    ----------
+    prefix : str
+        How it begins.
+    """
+    return f"{prefix}{_host()}-{os.getpid()}-{_PROCESS}{secrets.token_hex(4)}"
+
+
+def has_dead_maker(name: str, prefix: str) -> bool | None:
+    """Tell whether the process that gave a name is gone.
+
+    Parameters
+    ----------
+    name, prefix : str
+        What `made_name` returned, and how it begins.
+
+    Returns
+    -------
+    bool or None
+        None if nothing tells: the process is of another machine, or nothing of ours gave the name.
+    """
+    parts = name.removeprefix(prefix).split("-")
+    if len(parts) != 3 or parts[0] != _host() or not parts[1].isdecimal() or os.name != "posix":
+        return None
+    process = int(parts[1])
+    return _is_dead(process) or (process == os.getpid() and not parts[2].startswith(_PROCESS))
+
+
+def _host() -> str:
+    return socket.gethostname().replace("-", "_")
+
+
 def partial(folder: Path) -> Path:
     """Return a name in ``folder`` for what is not finished: it tells who writes it."""
-    host = socket.gethostname().replace("-", "_")
-    return folder / f"{PARTIAL}{host}-{os.getpid()}-{_PROCESS}{secrets.token_hex(4)}"
+    return folder / made_name(PARTIAL)
 
 
 def replace_file(path: Path, data: bytes) -> None:
@@ -138,11 +174,9 @@ def remove(path: Path) -> None:
 
 
 def _is_abandoned(leftover: Path) -> bool:
-    host, process, token = leftover.name.removeprefix(PARTIAL).split("-")
-    if host == socket.gethostname().replace("-", "_") and os.name == "posix":
-        if _is_dead(int(process)):
-            return True
-        return int(process) == os.getpid() and not token.startswith(_PROCESS)
+    is_dead = has_dead_maker(leftover.name, PARTIAL)
+    if is_dead is not None:
+        return is_dead
     try:
         return time.time() - leftover.stat().st_mtime > LEFTOVER_AGE
     except FileNotFoundError:
