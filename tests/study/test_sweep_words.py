@@ -11,9 +11,10 @@ from fibermelt.cli import app
 from fibermelt.study.files import read_sealed, write_sealed
 from fibermelt.study.loading import load_study
 from fibermelt.study.store import Store
-from fibermelt.study.sweep.cost import Progress, estimate, read_progress, write_progress
+from fibermelt.study.sweep.cost import estimate
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.study.sweep.progress import Progress, read_progress, write_progress
 from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
 
