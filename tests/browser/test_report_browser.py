@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, PHONE, assert_it_fits, every_width
+from sizes import DESKTOP, PHONE, assert_figures_can_be_read, assert_it_fits, every_width
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
@@ -65,6 +65,11 @@ def test_wide_tables_scroll_within_themselves(opened: Any, size: tuple[int, int]
         "[...document.querySelectorAll('#risk th')].map(cell => cell.offsetWidth)"
     )
     assert max(widths) < 0.6 * size[0]
+
+
+@every_width
+def test_figures_are_as_large_as_can_be_read(opened: Any, size: tuple[int, int]) -> None:
+    assert_figures_can_be_read(opened(size), size)
 
 
 @every_width

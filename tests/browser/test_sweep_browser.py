@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, assert_it_fits, every_width
+from sizes import DESKTOP, assert_figures_can_be_read, assert_it_fits, every_width
 from swept_cases import COMPUTED, GRID, NUMBERS, made_up, with_errors
 
 from fibermelt.report.sweep.page import render_sweep
@@ -80,17 +80,7 @@ def test_tables_that_scroll_can_be_reached_by_keyboard(opened: Any) -> None:
 
 @every_width
 def test_figures_are_as_large_as_can_be_read(opened: Any, size: tuple[int, int]) -> None:
-    """Letters of 2.5 mm on a page of 190 mm: at 700 px they are 9 px high. The card scrolls."""
-    page = opened(size)
-    for image in page.locator("figure .card img").all():
-        assert image.bounding_box()["width"] >= 700
-    for card in page.locator("figure .card").all():
-        box = card.bounding_box()
-        assert box["x"] + box["width"] <= size[0]
-        assert card.get_attribute("tabindex") == "0"
-        assert card.get_attribute("aria-label")
-        if card.evaluate("one => one.scrollWidth > one.clientWidth"):
-            assert card.evaluate("one => { one.scrollLeft = 99; return one.scrollLeft }") > 0
+    assert_figures_can_be_read(opened(size), size)
 
 
 def test_it_prints(opened: Any) -> None:

@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.errors import StoreError
 from fibermelt.study.files import canonical, digest
+from fibermelt.study.sweep.progress import read_progress
 from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
 
@@ -167,6 +168,8 @@ def test_two_clients_share_a_folder_and_the_work(tmp_path, study, undisturbed):
     everything = computed(log)
     assert len(everything) == len(set(everything)) == 72 + 4
     assert len(workers_of(log)) == 2, "one of them did it all"
+    # The cases of both, whoever of them ended last.
+    assert read_progress(CaseStore(out)).cases == 72
     fake_sweeps.assert_same(out, undisturbed)
 
 

@@ -30,7 +30,7 @@ main()
 TAKES = {"FAKE_FLOW_TAKES": "0.05", "FAKE_MOTION_TAKES": "0.5"}
 """Cost [s] of the stages: 72 cases take 18 s on two workers, longer than any test here needs."""
 
-SHELL_INTERRUPTED, SHELL_ENDED = 130, 143
+SHELL_INTERRUPTED, SHELL_ENDED, SHELL_HUNG_UP = 130, 143, 129
 
 
 def sweeping(tmp_path, **options):
@@ -114,23 +114,46 @@ def test_control_c_before_anything_is_written_says_so(tmp_path, monkeypatch):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_signal_to_end_leaves_nothing_behind(tmp_path, monkeypatch):
-    """Neither workers nor what they wrote beside the results."""
+@pytest.fixture
+def scratch(tmp_path, monkeypatch):
+    """Return a folder for temporary files, and what sweeps have in it."""
     (tmp_path / "scratch").mkdir()
     monkeypatch.setenv("TMPDIR", str(tmp_path / "scratch"))
+    return lambda: list((tmp_path / "scratch").glob("fibermelt-*"))
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGTERM, SHELL_ENDED), (signal.SIGHUP, SHELL_HUNG_UP)]
+)
+def test_a_signal_to_end_leaves_nothing_behind(tmp_path, scratch, number, code):
+    """Neither workers nor what they wrote beside the results, whoever of them it reaches."""
     with sweeping(tmp_path, **PIPES) as running:
         wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
-        running.terminate()
+        assert len(scratch()) == 1
+        # A terminal tells all of its processes, `kill` one of them.
+        (os.killpg if number == signal.SIGHUP else os.kill)(running.pid, number)
         _, complaints = running.communicate(timeout=PATIENCE)
-    assert running.returncode == SHELL_ENDED
+    assert running.returncode == code
     assert complaints.splitlines()[-1].startswith("interrupted: finished cases are kept")
     assert not any(map(is_alive, workers(tmp_path)))
-    assert list((tmp_path / "scratch").glob("fibermelt-*")) == []
+    assert scratch() == []
+
+
+def test_what_a_killed_client_left_is_removed_by_the_next(tmp_path, scratch, monkeypatch):
+    with sweeping(tmp_path, **PIPES) as running:
+        wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
+        running.kill()
+    wait_for(lambda: not any(map(is_alive, workers(tmp_path))), "end of the workers")
+    (left,) = scratch()
+    monkeypatch.setattr("tempfile.tempdir", None)
+    with open_pool(1, None, tmp_path):
+        assert left not in scratch()
+        assert len(scratch()) == 1
+    assert scratch() == []
 
 
 @pytest.mark.skipif(not hasattr(os, "login_tty"), reason="needs pseudo-terminals")
-def test_workers_go_with_their_terminal(tmp_path):
-    """A terminal that is closed ends who it is the terminal of."""
+def test_a_closed_terminal_ends_a_sweep_in_order(tmp_path, scratch):
     terminal, ours = os.openpty()
     try:
         inside = {"start_new_session": False, "preexec_fn": lambda: os.login_tty(ours)}
@@ -139,11 +162,12 @@ def test_workers_go_with_their_terminal(tmp_path):
             wait_for(lambda: len(workers(tmp_path)) == 2, "two workers", running)
             os.close(terminal)
             terminal = -1
-            running.wait(PATIENCE)
+            assert running.wait(PATIENCE) == SHELL_HUNG_UP
     finally:
         if terminal >= 0:
             os.close(terminal)
     wait_for(lambda: not any(map(is_alive, workers(tmp_path))), "end of the workers")
+    assert scratch() == []
 
 
 def test_a_second_sweep_does_not_complain_of_the_first(tmp_path):

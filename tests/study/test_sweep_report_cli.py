@@ -42,6 +42,8 @@ def fibermelt(*arguments):
 @pytest.fixture
 def cheap(monkeypatch):
     monkeypatch.setattr("fibermelt.study.chain.CHAIN", fake_sweeps.CHAIN)
+    # What is said is looked for, not where it is broken.
+    monkeypatch.setenv("COLUMNS", "1000")
 
 
 @pytest.mark.usefixtures("cheap")

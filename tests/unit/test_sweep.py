@@ -193,11 +193,6 @@ def test_the_command_line_adds_to_the_table_and_replaces_in_it(tmp_path):
     assert read_sweep(study).shape == (2, 3)
 
 
-def test_what_varies_is_named_once():
-    with pytest.raises(ConfigError, match=r"--over flow\.gap: is given twice"):
-        load_study("paper", over=["flow.gap=3 mm", "flow.gap=4 mm"])
-
-
 @pytest.mark.parametrize(
     ("over", "said"),
     [

@@ -6,9 +6,10 @@ import xarray as xr
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.study.store import Record, Store
-from fibermelt.study.sweep.cost import Progress, estimate, write_progress
+from fibermelt.study.sweep.cost import estimate
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.study.sweep.progress import Progress, write_progress
 from fibermelt.study.sweep.store import open_case_store
 
 GAPS = """preset = "paper"

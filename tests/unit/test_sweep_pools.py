@@ -99,8 +99,9 @@ def test_a_number_of_workers_that_was_meant_otherwise_is_refused(tmp_path, worke
     message = rf"--workers {workers}: must be at (most|least)"
     with pytest.raises(ConfigError, match=message), open_pool(workers, None, tmp_path):
         pass
-    given = ["sweep", "nozzle", "--out", str(tmp_path / "out"), "--workers", str(workers)]
-    told = CliRunner().invoke(app, given)
+    given = ["nozzle", "--out", str(tmp_path / "out"), "--workers", str(workers)]
+    told, planned = (CliRunner().invoke(app, [command, *given]) for command in ("sweep", "plan"))
     assert (told.exit_code, told.stdout) == (2, "")
     assert re.search(message, told.stderr)
+    assert (planned.exit_code, planned.stdout, planned.stderr) == (2, "", told.stderr)
     assert not (tmp_path / "out").exists()

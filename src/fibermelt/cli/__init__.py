@@ -1,8 +1,8 @@
 """The command line: thin, and a person's mistake never ends in a traceback.
 
 Exit codes: 0 done; 1 a check of `fibermelt verify` fails; 2 what the user can cause or cure, with
-one line for each fault on standard error; 130 interrupted, 143
-a sweep that was told to end (SIGTERM).
+one line for each fault on standard error; 130 interrupted; 143 and 129 a sweep that was told to end
+(SIGTERM), and one whose terminal was closed (SIGHUP).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fibermelt.cli.common import INTERRUPTED, JsonOption, say, told
+from fibermelt.cli.common import INTERRUPTED, JsonOption, columns, say, told
 
 __all__ = ["verify"]
 
@@ -31,6 +31,7 @@ def verify(
     """
     with told():
         from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.study.wrapping import wrapped  # noqa: PLC0415
         from fibermelt.verify.ladder import climb  # noqa: PLC0415
         from fibermelt.verify.rungs import LADDER  # noqa: PLC0415
         from fibermelt.verify.words import as_answer, in_words  # noqa: PLC0415
@@ -43,6 +44,6 @@ def verify(
         if as_json:
             say(json.dumps(as_answer(checks), indent=1, allow_nan=False))
         else:
-            say(in_words(checks))
+            say(wrapped(in_words(checks).split("\n"), columns()))
         if not all(check.passed for check in checks):
             raise typer.Exit(FAILED)

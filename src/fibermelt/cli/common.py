@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,7 +16,6 @@ import typer
 from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
 
 __all__ = [
-    "ENDED",
     "INTERRUPTED",
     "ColdOption",
     "JsonOption",
@@ -24,6 +24,7 @@ __all__ = [
     "SetOption",
     "StudyArgument",
     "WorkersOption",
+    "columns",
     "given_folder",
     "named_folder",
     "results_folder",
@@ -42,9 +43,6 @@ SHIPPED = (
     "population, uncertain"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
-
-ENDED = 143
-"""Exit code after a signal to end (128 + SIGTERM)."""
 
 StudyArgument = Annotated[
     str,
@@ -126,6 +124,13 @@ def told() -> Iterator[None]:
         for fault in faults:
             typer.echo(f"error: {legible(fault, len(fault))}", err=True)
         raise typer.Exit(MISTAKE) from None
+
+
+def columns() -> int:
+    """Return how many columns the terminal has that standard output is, or is to have."""
+    from fibermelt.study.wrapping import WIDTH  # noqa: PLC0415  lazy: help needs none of it
+
+    return shutil.get_terminal_size((WIDTH, 0)).columns
 
 
 def say(text: str, *, newline: bool = True) -> None:

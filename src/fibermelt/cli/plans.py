@@ -15,11 +15,12 @@ from fibermelt.cli.common import (
     OverOption,
     SetOption,
     StudyArgument,
+    columns,
     results_folder,
     say,
     told,
 )
-from fibermelt.errors import ConfigError, legible
+from fibermelt.errors import legible
 
 if TYPE_CHECKING:
     from fibermelt.study.parameters import Declaration
@@ -54,12 +55,10 @@ def plan(
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
         from fibermelt.study.loading import load_study  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep.pools import cores  # noqa: PLC0415
+        from fibermelt.study.sweep.pools import cores, refuse_workers  # noqa: PLC0415
         from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
 
-        if workers is not None and workers < 0:
-            msg = f"--workers {workers}: must be at least 0 (0: in one process, without a cluster)"
-            raise ConfigError(msg)
+        refuse_workers(workers, None)
         swept = load_study(study, sets or [], over or [])
         folder = results_folder(out, swept.name)
         count = cores() if workers is None else max(workers, 1)
@@ -70,8 +69,10 @@ def plan(
 def _in_words(listed: Mapping[str, Any]) -> str:
     from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in plan
     from fibermelt.study.parameters import declarations  # noqa: PLC0415
+    from fibermelt.study.wrapping import hanging, unbroken, wrapped  # noqa: PLC0415
 
     known = {item.key: item for item in declarations(Config)}
+    width = columns()
     shape = " x ".join(map(str, listed["shape"]))
     lines = [
         f"cases           {listed['cases']} ({shape}): {listed['done']} done, "
@@ -89,14 +90,16 @@ def _in_words(listed: Mapping[str, Any]) -> str:
             )
     if listed["pending"]:
         lines.append(f"to do           {_cost(listed['estimate'])}")
+    cases = []
     for case in listed["each"][:LISTED]:
         point = ", ".join(
-            f"{key} = {_number(value, known[key])}" for key, value in case["point"].items()
+            unbroken(f"{key} = {_number(value, known[key])}")
+            for key, value in case["point"].items()
         )
-        lines.append(f"{case['case']:>6}  {case['status']:<8}  {point}")
+        cases.append(hanging(f"{case['case']:>6}  {case['status']:<8}  ", point, width))
     if (more := len(listed["each"]) - LISTED) > 0:
-        lines.append(f"        and {more} more: --json lists them all")
-    return "\n".join(lines)
+        cases.append(f"        and {more} more: --json lists them all")
+    return "\n".join([wrapped(lines, width), *cases])
 
 
 def _cost(estimate: Mapping[str, Any]) -> str:

@@ -16,6 +16,7 @@ from fibermelt.cli.common import (
     OverOption,
     SetOption,
     StudyArgument,
+    columns,
     results_folder,
     say,
     told,
@@ -83,7 +84,7 @@ def run(
                 err=True,
             )
             raise typer.Exit(INTERRUPTED) from None
-        words = in_words(summary, CHAIN, resolved, folder)
+        words = in_words(summary, CHAIN, resolved, folder, columns())
         say(json.dumps(summary, indent=1) if as_json else words)
 
 
@@ -116,6 +117,7 @@ def validate(
         from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
+        from fibermelt.study.wrapping import unbroken, wrapped  # noqa: PLC0415
 
         resolved = load_study(study, sets or [], over or [])
         swept = None if resolved.sweep is None else read_sweep(resolved)
@@ -126,7 +128,8 @@ def validate(
             say(json.dumps({**flatten(resolved.config), **cases}, indent=1))
             return
         what = "study" if swept is None else f"sweep of {_counted(count)} over {swept.told()}"
-        say(f"{legible(study, len(study))}: a valid {what} ({resolved.origin})")
+        shown = unbroken(legible(study, len(study)))
+        say(wrapped([f"{shown}: a valid {what} ({resolved.origin})"], columns()))
 
 
 def _counted(cases: int) -> str:

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import json
 import shlex
-import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fibermelt.cli.common import (
-    ENDED,
     INTERRUPTED,
     ColdOption,
     JsonOption,
@@ -23,11 +20,13 @@ from fibermelt.cli.common import (
     SetOption,
     StudyArgument,
     WorkersOption,
+    columns,
     given_folder,
     results_folder,
     say,
     told,
 )
+from fibermelt.cli.signals import Ended, ended_in_order
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.progress import Silent
 
@@ -56,24 +55,6 @@ RetryOption = Annotated[
 
 NETCDF = "sweep.nc"
 """What the collected numbers are called in a results folder."""
-
-
-class _Ended(KeyboardInterrupt):
-    """A signal to end: batch systems and `kill` send it where a person presses Ctrl-C."""
-
-
-@contextmanager
-def _ended_in_order() -> Iterator[None]:
-    """Have SIGTERM end a sweep as Ctrl-C does, so that nothing of its cluster is left."""
-
-    def end(number: int, frame: FrameType | None) -> None:
-        raise _Ended
-
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 class _Notes(Silent):
@@ -166,7 +147,7 @@ def _go(
 
         swept, study, folder = read()
         try:
-            with _ended_in_order(), _watching(as_json=as_json) as observer:
+            with ended_in_order(), _watching(as_json=as_json) as observer:
                 summary = run_sweep(
                     swept,
                     study,
@@ -181,14 +162,22 @@ def _go(
             kept = f"finished cases are kept, fibermelt resume {_quoted(folder)} goes on"
             is_begun = (folder / "sweep.json").exists()
             typer.echo(f"interrupted: {kept if is_begun else 'nothing was begun'}", err=True)
-            raise typer.Exit(ENDED if isinstance(ended, _Ended) else INTERRUPTED) from None
+            raise typer.Exit(ended.code if isinstance(ended, Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
 
         path, answer = write_sweep_report(folder)
         if not as_json:
-            say("\n".join([f"report          {_shown(path)}", *answer]))
+            say(f"report          {_shown(path)}")
+            _tell(answer)
+
+
+def _tell(lines: Iterable[str]) -> None:
+    """Print lines for a person that hold no path, none longer than the terminal is wide."""
+    from fibermelt.study.wrapping import wrapped  # noqa: PLC0415  lazy, as in _watching
+
+    say(wrapped(lines, columns()))
 
 
 def _in_words(summary: dict[str, Any], folder: Path) -> str:
@@ -223,10 +212,11 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
             for name, cost in found["stages"].items()
         ]
         lines += [f"{count:>6} failed: {reason}" for reason, count in found["reasons"].items()]
-        lines += [f"damaged: {path}" for path in found["damaged"]]
+        _tell(lines)
+        for path in found["damaged"]:
+            say(f"damaged: {path}")
         if found["pending"] or found["damaged"]:
-            lines.append(f"go on with fibermelt resume {_quoted(folder)}")
-        say("\n".join(lines))
+            say(f"go on with fibermelt resume {_quoted(folder)}")
 
 
 def _started(cost: Mapping[str, Any]) -> str:
@@ -313,11 +303,15 @@ def collect(
         if as_json:
             say(json.dumps(summary, indent=1))
             return
-        say(
-            f"{_shown(path)}: {summary['done']} of {summary['cases']} cases, "
-            f"{summary['failed']} failed, {summary['pending']} to do; "
-            f"{len(dataset.data_vars)} variables over {', '.join(map(str, dataset.sizes))}"
+        over = ", ".join(map(str, dataset.sizes))
+        _tell(
+            [
+                f"cases           {summary['done']} of {summary['cases']} done, "
+                f"{summary['failed']} failed, {summary['pending']} to do",
+                f"variables       {len(dataset.data_vars)} over {over}",
+            ]
         )
+        say(f"file            {_shown(path)}")
 
 
 def _quoted(path: Path) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from fibermelt.cli.common import JsonOption, say, told
+from fibermelt.cli.common import JsonOption, columns, say, told
 
 __all__ = ["voids"]
 
@@ -52,6 +52,7 @@ def voids(
         from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415
         from fibermelt.study.voids.summary import voids_in_words  # noqa: PLC0415
+        from fibermelt.study.wrapping import wrapped  # noqa: PLC0415
 
         question = VoidQuestion(
             material=material,
@@ -64,5 +65,5 @@ def voids(
         say(
             json.dumps(answer, indent=1)
             if as_json
-            else "\n".join(voids_in_words({"voids": answer}))
+            else wrapped(voids_in_words({"voids": answer}), columns())
         )

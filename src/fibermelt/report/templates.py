@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 __all__ = ["page_file", "page_template"]
 
@@ -20,6 +20,10 @@ def page_file(name: str) -> str:
 def page_template(name: str) -> Any:
     """Return a template of the folder ``page``: what it names must be there, and is escaped."""
     environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FunctionLoader(page_file),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    return environment.from_string(page_file(name))
+    return environment.get_template(name)

@@ -174,6 +174,6 @@ CHAIN = Chain(
         Part("verification", ("verification",), summarize_verification, verification_in_words),
         Part("claims", ("claims",), summarize_claims, claims_in_words),
     ),
-    version=3,
+    version=4,
 )
 """What `fibermelt run` goes through, as far as a study asks for it."""

@@ -21,6 +21,8 @@ __all__ = [
     "canonical",
     "claimed",
     "digest",
+    "has_dead_maker",
+    "made_name",
     "partial",
     "read_sealed",
     "remove_leftovers",
@@ -135,10 +137,52 @@ def write_through(path: Path, data: bytes) -> None:
         os.fsync(stream.fileno())
 
 
+def made_name(prefix: str) -> str:
+    """Return a name that nothing else has, and that tells which process gave it.
+
+    Parameters
+    ----------
+    prefix : str
+        How it begins.
+    """
+    return f"{prefix}{_host()}-{os.getpid()}-{_PROCESS}{secrets.token_hex(4)}"
+
+
+def has_dead_maker(name: str, prefix: str) -> bool | None:
+    """Tell whether the process that gave a name is gone.
+
+    Parameters
+    ----------
+    name, prefix : str
+        What `made_name` returned, and how it begins.
+
+    Returns
+    -------
+    bool or None
+        None if nothing tells: the process is of another machine, or nothing of ours gave the name.
+    """
+    maker = _maker(name, prefix)
+    if maker is None or maker[0] != _host() or os.name != "posix":
+        return None
+    _, process, token = maker
+    return _is_dead(process) or (process == os.getpid() and not token.startswith(_PROCESS))
+
+
+def _maker(name: str, prefix: str) -> tuple[str, int, str] | None:
+    """Return machine, process and token of a name that `made_name` gave, None of any other."""
+    parts = name.removeprefix(prefix).split("-")
+    if len(parts) != 3 or not parts[1].isdecimal():
+        return None
+    return parts[0], int(parts[1]), parts[2]
+
+
+def _host() -> str:
+    return socket.gethostname().replace("-", "_")
+
+
 def partial(folder: Path) -> Path:
     """Return a name in ``folder`` for what is not finished: it tells who writes it."""
-    host = socket.gethostname().replace("-", "_")
-    return folder / f"{PARTIAL}{host}-{os.getpid()}-{_PROCESS}{secrets.token_hex(4)}"
+    return folder / made_name(PARTIAL)
 
 
 def replace_file(path: Path, data: bytes) -> None:
@@ -175,14 +219,11 @@ def remove(path: Path) -> None:
 
 
 def _is_abandoned(leftover: Path) -> bool:
-    parts = leftover.name.removeprefix(PARTIAL).split("-")
-    if len(parts) != 3 or not parts[1].isdecimal():
-        return False  # no name of ours
-    host, process, token = parts
-    if host == socket.gethostname().replace("-", "_") and os.name == "posix":
-        if _is_dead(int(process)):
-            return True
-        return int(process) == os.getpid() and not token.startswith(_PROCESS)
+    if _maker(leftover.name, PARTIAL) is None:
+        return False
+    is_dead = has_dead_maker(leftover.name, PARTIAL)
+    if is_dead is not None:
+        return is_dead
     try:
         return time.time() - leftover.stat().st_mtime > LEFTOVER_AGE
     except FileNotFoundError:

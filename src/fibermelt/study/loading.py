@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,8 +15,13 @@ from pydantic import ValidationError
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
 from fibermelt.study.messages import explain
+from fibermelt.study.overrides import (
+    read_overrides,
+    read_varying,
+    refuse_without_effect,
+    unreadable,
+)
 from fibermelt.study.parameters import excerpt
-from fibermelt.study.sweep.settings import SETTINGS
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
@@ -25,8 +29,6 @@ OWN_TABLES = ("study", "sweep")
 """Tables that a study does not take from its preset."""
 
 _LONGEST_PATH = 200
-_DEEPEST_KEY = 10
-"""Parts of an overriding key that are read; no parameter has more than two."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     file = path if _is_study_file(path, study) else None
     name, tables = (path.stem, _read(path)) if file else (study, _preset(study))
     origin = path.name if file else f"preset {name}"
-    tables = merged(tables, _overriding(overrides))
+    overriding = read_overrides(overrides)
+    for table in overriding:
+        tables = merged(tables, table)
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
             msg = (
@@ -102,14 +106,11 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     if sweep is not None and not isinstance(sweep, Mapping):
         msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
         raise ConfigError(msg)
-    if over:
-        varying = list(map(_varying, over))
-        keys = [key for key, _ in varying]
-        if twice := [key for key in keys if keys.count(key) > 1]:
-            msg = f"--over {legible(twice[0])}: is given twice: write all its values in one --over"
-            raise ConfigError(msg)
-        sweep = {**(sweep or {}), **dict(varying)}
+    varying = read_varying(over)
+    if varying:
+        sweep = {**(sweep or {}), **varying}
         origin += ", over " + " and ".join(over)
+    refuse_without_effect(overriding, sweep or {}, varying)
     return Study(
         name=name,
         origin=legible(origin, len(origin)),
@@ -197,17 +198,8 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
         msg = f"{where}: not TOML: {what[:1].lower()}{what[1:]}"
         raise ConfigError(msg) from None
     except (ValueError, RecursionError) as error:
-        msg = f"{where}: {_unreadable(error)}"
+        msg = f"{where}: {unreadable(error)}"
         raise ConfigError(msg) from None
-
-
-def _unreadable(error: Exception) -> str:
-    """Return what Python refuses to read although TOML may have it."""
-    if isinstance(error, RecursionError):
-        return "is nested too deeply to be a study: a parameter is a number, a text or a list"
-    return (
-        f"holds a number that is not finite: it has more than {sys.get_int_max_str_digits()} digits"
-    )
 
 
 def _preset(name: str) -> dict[str, Any]:
@@ -235,50 +227,3 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
         else:
             both[key] = value
     return both
-
-
-def _overriding(overrides: Sequence[str]) -> dict[str, Any]:
-    """Return the tables that ``flow.gap=3.5 mm`` stands for."""
-    tables: dict[str, Any] = {}
-    for override in overrides:
-        key, equals, text = override.partition("=")
-        path = [part.strip() for part in key.split(".")]
-        if not equals or not all(path) or len(path) > _DEEPEST_KEY:
-            msg = f'-s {legible(override)}: write it as key=value, such as -s flow.gap="3.5 mm"'
-            raise ConfigError(msg)
-        nested: Any = _override_value(text.strip(), f"-s {legible(key.strip())}")
-        for part in reversed(path):
-            nested = {part: nested}
-        tables = merged(tables, nested)
-    return tables
-
-
-def _varying(over: str) -> tuple[str, object]:
-    """Return key and entry of ``[sweep]`` that ``flow.gap=2.5 mm, 3 mm`` stands for."""
-    key, equals, text = (part.strip() for part in over.partition("="))
-    if not (key and equals and text):
-        msg = (
-            f'--over {legible(over)}: write it as key=values, such as --over flow.gap="3 mm, 4 mm"'
-        )
-        raise ConfigError(msg)
-    where = f"--over {legible(key)}"
-    if key.removeprefix("sweep.") in SETTINGS:
-        name = key.removeprefix("sweep.")
-        msg = f"{where}: is a setting and does not vary: write -s sweep.{name}={legible(text)}"
-        raise ConfigError(msg)
-    entry = _override_value(text, where)
-    if isinstance(entry, list | Mapping):
-        return key, entry
-    return key, [_override_value(value.strip(), where) for value in text.split(",")]
-
-
-def _override_value(text: str, where: str) -> object:
-    """Return what TOML reads in ``text``, or else the text itself: shells eat quotes."""
-    try:
-        read = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
-        return text
-    except (ValueError, RecursionError) as error:
-        msg = f"{where}: {_unreadable(error)}"
-        raise ConfigError(msg) from None
-    return read["value"] if set(read) == {"value"} else text

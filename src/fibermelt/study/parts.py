@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import legible_path
 from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
+from fibermelt.study.wrapping import WIDTH, unbroken, wrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,7 +81,9 @@ class Chain:
         return tuple(stage for stage in self.stages if stage.name in wanted)
 
 
-def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Path) -> str:
+def in_words(
+    summary: Mapping[str, Any], chain: Chain, study: Study, folder: Path, width: int = WIDTH
+) -> str:
     """Return a summary as a few lines for a person, that say where to look.
 
     Parameters
@@ -91,17 +94,21 @@ def in_words(summary: Mapping[str, Any], chain: Chain, study: Study, folder: Pat
         What was run.
     folder : Path
         The results folder.
+    width : int
+        Columns that a line may have; paths are never broken.
     """
     parts = chain.asked(study.config.study.parts)
     names = {"total": "this run"}  # what was reused tells what it took when it was computed
     cost = ", ".join(
-        f"{names.get(name, name)} {seconds:.1f} s" for name, seconds in summary["cost"].items()
+        unbroken(f"{names.get(name, name)} {seconds:.1f} s")
+        for name, seconds in summary["cost"].items()
     )
-    return "\n".join(
+    return wrapped(
         [
             *(line for part in parts for line in part.words(summary)),
             f"cost            {cost}",
-            f"results         {legible_path(folder)}",
-            f"report          {legible_path(folder / REPORT)}",
-        ]
+            f"results         {unbroken(legible_path(folder))}",
+            f"report          {unbroken(legible_path(folder / REPORT))}",
+        ],
+        width,
     )

@@ -104,9 +104,11 @@ class Claim:
         unit = f" {self.unit}" if self.unit else ""
         if self.paper is not None:
             return f"{self.paper:g}{unit}"
-        low = [f"at least {self.at_least:g}{unit}"] if self.at_least is not None else []
-        high = [f"at most {self.at_most:g}{unit}"] if self.at_most is not None else []
-        return " and ".join(low + high)
+        if self.at_least is not None and self.at_most is not None:
+            return f"{self.at_least:g} to {self.at_most:g}{unit}"
+        if self.at_least is not None:
+            return f"at least {self.at_least:g}{unit}"
+        return f"at most {self.at_most:g}{unit}"
 
     def excess(self, value: float) -> float:
         """Return by how much a value [unit of the claim] misses what the paper says; 0 if not."""

@@ -1,21 +1,20 @@
 """What a sweep cost so far, and what the rest of it will: from the records of what is stored.
 
 A stored stage tells what it cost and from which neighbour it started. The numbers of cases lie
-together in files that tell neither, so `Progress` counts what they cost.
+together in files that tell neither, so `fibermelt.study.sweep.progress` counts what they cost.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fibermelt.errors import StoreError
-from fibermelt.study.files import read_sealed, write_sealed
 from fibermelt.study.store import Record, Store
 from fibermelt.study.sweep.plan import FROM_NEIGHBOUR
+from fibermelt.study.sweep.progress import Progress, read_progress
 from fibermelt.study.sweep.record import read_asked
 from fibermelt.study.sweep.store import CaseStore
 
@@ -25,52 +24,10 @@ if TYPE_CHECKING:
 __all__ = [
     "Computed",
     "Estimate",
-    "Progress",
     "StageCost",
     "estimate",
     "read_computed",
-    "read_progress",
-    "write_progress",
 ]
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a folder is, besides what lies in it: progress.json.
-
-    Parameters
-    ----------
-    wall_s : float
-        Wall time of the last run so far [s].
-    reused_stages : int
-        Stages that it found.
-    cases : int
-        Cases whose numbers were computed, in all runs.
-    cases_s, cases_processor_s : float
-        Wall time and processor time that they took, without the stages that are stored [s].
-    software : dict
-        Versions of what computed them last.
-    """
-
-    wall_s: float = 0.0
-    reused_stages: int = 0
-    cases: int = 0
-    cases_s: float = 0.0
-    cases_processor_s: float = 0.0
-    software: Mapping[str, str] = field(default_factory=dict)
-
-
-def write_progress(cases: CaseStore, progress: Progress) -> None:
-    """Write how far a folder is."""
-    write_sealed(cases.progress, asdict(progress))
-
-
-def read_progress(cases: CaseStore) -> Progress:
-    """Return what `write_progress` wrote, or nothing if it is not there or damaged."""
-    try:
-        return Progress(**read_sealed(cases.progress))
-    except (ValueError, TypeError, StoreError):
-        return Progress()
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ import logging
 import os
 import queue
 import signal
-import tempfile
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -20,6 +19,7 @@ from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep.schedulers import CONNECT, connect, distributed
+from fibermelt.study.sweep.scratch import scratch_folder
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
@@ -237,7 +237,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
 def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
     """Yield a cluster on this machine, which goes with this process however that ends."""
     dd = distributed()
-    with tempfile.TemporaryDirectory(prefix="fibermelt-") as scratch, ExitStack() as stack:
+    with scratch_folder() as scratch, ExitStack() as stack:
         try:
             with _without_interrupts():
                 cluster = dd.LocalCluster(
@@ -247,7 +247,7 @@ def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
                     host="127.0.0.1",
                     dashboard_address=None,
                     scheduler_kwargs={"dashboard_address": ANY_PORT},
-                    local_directory=scratch,
+                    local_directory=str(scratch),
                     silence_logs=logging.CRITICAL,
                     env=single_threaded(),
                 )
@@ -262,17 +262,18 @@ def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
 
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Let Ctrl-C wait until the end, and never reach processes that are started inside.
+    """Let Ctrl-C and hanging up wait, and never reach processes that are started inside.
 
-    A terminal sends SIGINT to all of them. Threads and processes inherit what is blocked, so
-    those of a cluster, also a worker that takes the place of a dead one, leave it to the client.
+    A terminal sends SIGINT and SIGHUP to all of them. Threads and processes inherit what is
+    blocked, so those of a cluster, also a worker that takes the place of a dead one, leave it to
+    the client.
     """
     if not hasattr(signal, "pthread_sigmask"):  # there is none on Windows
         yield
         return
-    # Started by the first process that needs it, it would let SIGINT through again.
+    # Started by the first process that needs it, it would let them through again.
     resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
@@ -18,9 +17,9 @@ from fibermelt.study.runner import software_versions
 from fibermelt.study.schema import has_lost_mark
 from fibermelt.study.stages import stage_parameters
 from fibermelt.study.sweep.agenda import AHEAD, Agenda, Item
-from fibermelt.study.sweep.cost import Progress, read_progress, write_progress
 from fibermelt.study.sweep.plan import Job, Plan, plan_sweep
 from fibermelt.study.sweep.pools import Died, Pool, open_pool, refuse_workers
+from fibermelt.study.sweep.progress import Progress, add_progress
 from fibermelt.study.sweep.record import asked
 from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store, stage_folder
 from fibermelt.study.sweep.tasks import Folder, Outcome, Task
@@ -109,7 +108,7 @@ def run_sweep(
         with open_pool(workers, scheduler, directory) as pool:
             work.through(pool, folder)
     summary = work.summary()
-    write_progress(cases, replace(work.progress(), wall_s=summary["wall_s"]))
+    work.note(summary["wall_s"])
     observer.done(
         "sweep", f"{summary['done']} of {_cases(summary['cases'])} done, {summary['failed']} failed"
     )
@@ -133,7 +132,7 @@ class _Run:
         reused: int,
     ) -> None:
         self.plan, self.agenda, self.cases, self.observer = plan, agenda, cases, observer
-        self.began, self.before, self.reused = began, read_progress(cases), reused
+        self.began, self.reused = began, reused
         self.later: deque[tuple[float, Item]] = deque()
         self.flying = self.computed = 0
         self.seconds = self.processor = 0.0
@@ -231,7 +230,7 @@ class _Run:
             self.observer.tick("sweep", self._how_far(pool.threads()))
         if now - self.noted > NOTE:
             self.noted = now
-            write_progress(self.cases, self.progress())
+            self.note(now - self.began)
 
     def _how_far(self, threads: int) -> str:
         """Return how many cases there are, the stages of which some are to come, and how long."""
@@ -248,16 +247,18 @@ class _Run:
             told.append(f"about {duration(left / threads)} to go")
         return ", ".join(told)
 
-    def progress(self) -> Progress:
-        """Return how far this run is, with what the ones before it computed."""
-        return Progress(
-            wall_s=time.perf_counter() - self.began,
+    def note(self, wall: float) -> None:
+        """Note in the folder how far this run is after a time [s], and what is new since then."""
+        since = Progress(
+            wall_s=wall,
             reused_stages=self.reused,
-            cases=self.before.cases + self.computed,
-            cases_s=self.before.cases_s + self.seconds,
-            cases_processor_s=self.before.cases_processor_s + self.processor,
-            software=software_versions() if self.computed else self.before.software,
+            cases=self.computed,
+            cases_s=self.seconds,
+            cases_processor_s=self.processor,
+            software=software_versions() if self.computed else {},
         )
+        add_progress(self.cases, since)
+        self.computed, self.seconds, self.processor = 0, 0.0, 0.0
 
     def summary(self) -> dict[str, Any]:
         """Return what became of all cases, those that are alike counted one by one."""
