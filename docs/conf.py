@@ -31,6 +31,7 @@ extensions = [
 exclude_patterns = ["_build", "_ext"]
 nitpicky = True
 default_role = "py:obj"  # docstrings have names in single backticks: each must exist
+smartquotes = False  # quotes are part of what a study says
 toc_object_entries_show_parents = "hide"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -62,6 +63,8 @@ sphinx_gallery_conf = {
     # That for a cluster is shown, and needs a cluster to run.
     "filename_pattern": r"[/\\](?!sweep_on_slurm)\w+\.py$",
     "abort_on_example_error": True,
+    "within_subsection_order": "shelf.Shelf",
+    "default_thumb_file": str(HERE / "images" / "bead.png"),
     "capture_repr": (),
     "download_all_examples": False,
     "remove_config_comments": True,

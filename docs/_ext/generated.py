@@ -65,8 +65,7 @@ def commands() -> str:
     group: Any = typer.main.get_command(app)
     lines = []
     for name, command in group.commands.items():
-        own = [item for item in command.params if not item.opts[0].startswith("--json")]
-        given = [item for item in own if item.param_type_name == "argument"]
+        given = [item for item in command.params if item.param_type_name == "argument"]
         usage = " ".join(["fibermelt", name, *(str(item.metavar) for item in given), "[OPTIONS]"])
         lines += [f"## {name}", "", _text(command.help), "", "```text", usage, "```", ""]
         for item in command.params:
