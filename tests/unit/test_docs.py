@@ -153,7 +153,7 @@ def test_every_command_is_one() -> None:
         known = {"--help"}.union(*(item.opts for item in group.commands[name].params))
         assert {word for word in given if word.startswith("-")} <= known, f"{where}: {line}"
         if is_whole:
-            group.commands[name].make_context(name, given)
+            group.commands[name].make_context(name, list(given))
         for at, word in enumerate(given):
             if word in {"-s", "--set", "--over"}:
                 key = given[at + 1].partition("=")[0]
