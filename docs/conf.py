@@ -22,7 +22,6 @@ version = release = fibermelt.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "mathml",
@@ -38,7 +37,6 @@ myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}
-autosummary_generate = False
 napoleon_google_docstring = False
 # Types in docstrings are words, such as "(n, 2) array": no names to look up.
 napoleon_use_param = False

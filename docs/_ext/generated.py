@@ -87,6 +87,17 @@ def _preset(item: Any) -> str:
     return f" Default: `{item.default}`." if item.default not in {None, ()} else ""
 
 
+def names() -> str:
+    """Return every public name with the first line of its docstring."""
+    import fibermelt  # noqa: PLC0415  lazy, as in parameters
+
+    docs = {name: inspect.getdoc(getattr(fibermelt, name)) or "" for name in fibermelt.__all__}
+    rows = (
+        (f"{{py:obj}}`~fibermelt.{name}`", doc.partition("\n")[0]) for name, doc in docs.items()
+    )
+    return _table(("name", "what it is"), rows)
+
+
 def variables() -> str:
     """Return every variable of results.nc: dimensions, unit, what it is."""
     from fibermelt.study.variables import VARIABLES  # noqa: PLC0415  lazy, as in parameters
@@ -145,7 +156,7 @@ def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def _cell(text: str) -> str:
-    return text if text.startswith("`") else _text(text).replace("|", r"\|")
+    return text if text.startswith(("`", "{py:obj}")) else _text(text).replace("|", r"\|")
 
 
 def _one_line(text: str) -> str:
@@ -154,7 +165,7 @@ def _one_line(text: str) -> str:
 
 def _text(text: str) -> str:
     """Return plain words as Markdown that shows them as they are; what is in backticks stays."""
-    pieces = re.split(r"(`[^`]*`)", text)
+    pieces = re.split(r"(``.+?``|`[^`]*`)", text)
     return "".join(
         piece if piece.startswith("`") else re.sub(r"([\\*_\[\]<>$])", r"\\\1", piece)
         for piece in pieces
@@ -165,6 +176,7 @@ GENERATED: Mapping[str, Callable[[], str]] = {
     "bibliography": bibliography,
     "closures": closures,
     "commands": commands,
+    "names": names,
     "parameters": parameters,
     "studies": studies,
     "summary": summary,
