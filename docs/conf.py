@@ -37,6 +37,7 @@ myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}
+autodoc_type_aliases = {name: name for name in ("Array", "Index")}
 napoleon_google_docstring = False
 # Types in docstrings are words, such as "(n, 2) array": no names to look up.
 napoleon_use_param = False

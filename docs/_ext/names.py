@@ -48,7 +48,7 @@ def _whole(
 ) -> None:
     """Keep what stands before a colon from being taken for the type of a property."""
     if what in {"attribute", "data", "property"}:
-        lines.insert(0, "")
+        lines[:0] = ["..", ""]  # an empty comment: nothing in it to be taken
 
 
 class _Written(str):
