@@ -31,10 +31,10 @@ def _signature(
         own = inspect.signature(thing)
     except (TypeError, ValueError):
         return None
+    if getattr(thing, "_is_protocol", False):
+        return "", ""
     parameters = [
-        item.replace(annotation=_Written(item.annotation))
-        if item.annotation is not item.empty
-        else item
+        item.replace(annotation=_Written(item.annotation), default=_shown(item.default))
         for item in own.parameters.values()
         if item.name != "self"
     ]
@@ -49,6 +49,13 @@ def _whole(
     """Keep what stands before a colon from being taken for the type of a property."""
     if what in {"attribute", "data", "property"}:
         lines[:0] = ["..", ""]  # an empty comment: nothing in it to be taken
+
+
+def _shown(default: object) -> object:
+    """Return a default, or dots where it is no value that can be written down."""
+    if default is inspect.Parameter.empty or not repr(default).startswith(("<", "mappingproxy")):
+        return default
+    return _Written("...")
 
 
 class _Written(str):
