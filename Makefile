@@ -7,12 +7,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-sensitivity test browser lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test docs browser lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
 	@echo "make paper-sensitivity  vary what the paper does not print, into results/nozzle"
 	@echo "make test       run all tests"
+	@echo "make docs       build the documentation into docs/_build/html, running the examples"
 	@echo "make browser    install the browser that the report is tested in (Debian, as root)"
 	@echo "make lint       check style"
 	@echo "make types      check types"
@@ -31,6 +32,10 @@ $(VENV)/.installed-test: $(VENV)/.installed
 	$(INSTALL) --editable ".[test]"
 	@touch $@
 
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(INSTALL) --editable ".[docs]"
+	@touch $@
+
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(INSTALL) --editable ".[dev]"
 	@touch $@
@@ -46,6 +51,11 @@ paper-sensitivity: $(VENV)/.installed
 # One process for each core, one solver thread in each: a file's tests stay together.
 test: $(VENV)/.installed-test
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+# A warning is an error, as is a name in a docstring that does not exist.
+docs: $(VENV)/.installed-docs
+	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -n -q docs docs/_build/html
+	@echo "Look at docs/_build/html/index.html."
 
 # The page is tested in Debian's Chromium; without it those tests are skipped, and say so.
 browser:
@@ -65,6 +75,6 @@ bench: $(VENV)/.installed-dev
 	$(BIN)/python -m pytest benchmarks/bench_*.py --benchmark-only -s
 
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
+	rm -rf $(VENV) build dist docs/_build docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
 	rm -rf .hypothesis .benchmarks
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,12 @@
-"""From a nozzle to the lowest pressure that a fiber makes on its own surface."""
+"""
+The lowest pressure on a fiber
+==============================
+
+From a nozzle to the lowest pressure that a fiber makes on its own surface, as the paper goes: the
+deposition flow, one of its streamlines, a fiber in its cell, how it turns, what its surface sees.
+"""
+
+import matplotlib.pyplot as plt
 
 import fibermelt as fm
 
@@ -15,3 +23,18 @@ print(
     f"lowest pressure on the fiber: {lowest[0] / 1e6:.2f} MPa in the nozzle, "
     f"{lowest[1] / 1e6:.2f} MPa in the bead"
 )
+
+# %%
+# The pressure is zero in the air. Each gray line is a fiber that entered at another angle; no
+# fiber, at whatever angle, can go below the bound, which samples no angle.
+
+bound = fm.pressure_bounds(line.history, cell.response, problem.melt.viscosity)
+own = line.history.pressure / 1e6
+figure, axes = plt.subplots(layout="constrained")
+axes.plot(line.history.time, (own + pressure.lowest / 1e6).T, color="0.7", lw=0.8)
+axes.plot(line.history.time, own + bound.lowest / 1e6, "k--", label="bound over every direction")
+axes.plot(line.history.time, own, label="the melt's own")
+axes.axvline(line.middle_time, color="0.5", ls=":", label="middle of the capillary")
+axes.set(xlabel="time since the inlet [s]", ylabel="pressure above the air's [MPa]")
+axes.legend()
+plt.show()

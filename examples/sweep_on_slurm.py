@@ -1,4 +1,8 @@
-"""A sweep on a SLURM cluster: its workers are batch jobs, this script stays while it runs.
+"""
+A sweep on a SLURM cluster
+==========================
+
+Its workers are batch jobs, this script stays while it runs.
 
 Start it on the login node. What is named here is for you to change: the study, a results folder
 that every node sees under the same path, and what a job of your cluster is.

@@ -3,17 +3,67 @@
 from __future__ import annotations
 
 import runpy
+from collections.abc import Iterator
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
+@pytest.fixture(autouse=True)
+def drawn(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Draw into memory, on a machine with a screen too, and leave no figure open."""
+    before = plt.get_backend()
+    plt.switch_backend("agg")
+    monkeypatch.setattr(plt, "show", lambda: None)
+    yield
+    plt.close("all")
+    plt.switch_backend(before)
+
+
 def test_no_example_is_missing_here() -> None:
-    names = {"content_to_cell.py", "lowest_pressure.py", "one_turn.py", "sweep_on_slurm.py"}
-    assert {path.name for path in EXAMPLES.glob("*.py")} == names
+    """The one for a cluster is run in `tests/study/test_sweep_slurm.py`."""
+    here = {name.removeprefix("test_") + ".py" for name in globals() if name.startswith("test_")}
+    for path in EXAMPLES.glob("*.py"):
+        assert path.name in here | {"sweep_on_slurm.py"}, path.name
+
+
+def test_own_streamline(capsys: pytest.CaptureFixture[str]) -> None:
+    """Jeffery's angle in a planar extension, and the tips' pressure of an aligned ellipse."""
+    names = runpy.run_path(str(EXAMPLES / "own_streamline.py"))
+    # what is left is rounding, a few hundred units in the last place of an angle
+    assert np.abs(names["motion"].angle - names["exact"]).max() < 1e-12
+    # the first fiber ends 0.007 degrees off the flow: 2e-8 of the pressure, by the cosine
+    assert names["pressure"].lowest[0, -1] == pytest.approx(-2 * 817.0 * 2.0 * 7, rel=1e-6)
+    assert "aligned -22.876 kPa" in capsys.readouterr().out
+
+
+def test_own_closure(capsys: pytest.CaptureFixture[str]) -> None:
+    """A closure by its formula alone is the shipped one; both forms are exact at both ends."""
+    names = runpy.run_path(str(EXAMPLES / "own_closure.py"))
+    assert names["difference"] < 1e-12  # the steady state's own tolerance
+    for name in ("by the norm", "by the determinant"):
+        own = names["closures"][name]
+        aligned, random = np.diag([1.0, 0.0, 0.0]), np.eye(3) / 3
+        assert own.fourth(aligned)[0, 0, 0, 0] == pytest.approx(1.0, rel=1e-14)
+        assert own.fourth(random)[0, 0, 0, 0] == pytest.approx(1 / 5, rel=1e-14)
+    assert "off from the shipped one" in capsys.readouterr().out
+
+
+def test_how_dry(capsys: pytest.CaptureFixture[str]) -> None:
+    """The vapor pressure is the activity times the saturation pressure, and the inverse is one."""
+    names = runpy.run_path(str(EXAMPLES / "how_dry.py"))
+    card, temperature, vapor = names["card"], names["temperature"], names["vapor"]
+    saturated = float(names["saturation_pressure"](temperature))
+    assert vapor == pytest.approx(saturated * 0.17 / 0.5, rel=1e-12)
+    assert float(card.melt.critical_moisture(vapor, temperature)) == pytest.approx(
+        card.moisture, rel=1e-12
+    )
+    assert names["critical"][0] == 0.0
+    assert "no drying helps" in capsys.readouterr().out
 
 
 def test_one_turn(capsys: pytest.CaptureFixture[str]) -> None:

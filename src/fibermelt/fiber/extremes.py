@@ -53,7 +53,7 @@ class Extremes:
     x, y : array
         Where it happens [m].
     pressure : array
-        Absolute surface pressure, the streamline's included [Pa].
+        Surface pressure above the air's: with the streamline's own [Pa].
     angle : array
         Angle of the fiber to the streamline then [rad], in (-pi/2, pi/2].
     where : array

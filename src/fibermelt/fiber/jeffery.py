@@ -20,7 +20,8 @@ imaginary part of its ``1/z`` coefficient, ``-D_12 m - (W - w) + m Im A``: zero 
 
 ``1/(q^2 - m)`` runs over a circle (centre ``m/(1 - m^2)``, radius ``1/(1 - m^2)``), so the extremes
 over the surface are elementary too. References: Jeffery 1922, doi 10.1098/rspa.1922.0078; the
-paper's Eq. 23-25, 48-59 with the notes' corrections.
+paper's Eq. 23-25 and 48-59, whose signs and halves are put right: ``D`` has its 1/2 throughout, the
+``gamma_0`` under ``A`` in Eq. 58 is Jeffery's ``gamma_0''``.
 """
 
 from __future__ import annotations

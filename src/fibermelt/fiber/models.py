@@ -87,7 +87,7 @@ class FiberModel:
 
         In the plane for an ellipse, exactly; over the sphere for a spheroid, by ``count``
         directions (`equal_area_directions`), between whose values quantiles are linear. The other
-        parameters and errors as in `fibermelt.fiber.isotropic_pressure`.
+        parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
         """
         if self.spheroid is None:
             return isotropic_pressure(

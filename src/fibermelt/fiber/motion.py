@@ -1,7 +1,8 @@
 """How a fiber turns along its path, for any number of initial angles at once.
 
-``theta_dot = W_21 + B D_12(local)`` (the paper's Eq. 59 with the notes' signs, ``B`` the confined
-fiber's shape factor) is the angle of the linear system ``F_dot = (W + B D) F``, ``F(0) = I``.
+``theta_dot = W_21 + B D_12(local)`` (the paper's Eq. 59, with angles from the flow's axis and ``B``
+the confined fiber's shape factor) is the angle of the linear system ``F_dot = (W + B D) F``,
+``F(0) = I``.
 
 The gradient between the path's points, and the error control, are in `fibermelt.fiber.magnus`.
 """

@@ -124,7 +124,7 @@ class FiberResponse:
 
         Simple shear strains at ``d = gamma_dot/2``, so over every orientation (an orbit if the
         fiber tumbles, half a turn if it stalls) it is half the largest ``h``. An unbounded ellipse
-        has ``1 + r_e`` (notes on Eq. 25).
+        has ``1 + r_e`` (Jeffery 1922, the paper's Eq. 25).
         """
         return 0.5 * self.curve.farthest
 

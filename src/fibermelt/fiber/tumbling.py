@@ -4,7 +4,7 @@ In ``u_x = gamma_dot y`` the director of a fiber with the shape factor ``B`` obe
 p_0|`` with ``F_dot = (gamma_dot/2) [[0, B + 1], [B - 1, 0]] F``, whose square is a multiple of the
 identity. So the motion is closed in form, whatever ``B``:
 
-- ``B < 1``: Jeffery's (the paper's Eq. 23 with the notes' signs), with the aspect ratio ``rho =
+- ``B < 1``: Jeffery's (the paper's Eq. 23 turns the other way), with the aspect ratio ``rho =
   sqrt((1 + B)/(1 - B))`` of the unbounded ellipse that turns like the confined fiber,
   ``tan theta = -tan(k t - arctan(rho tan theta_0))/rho``, ``k = (gamma_dot/2) sqrt(1 - B^2)``;
 - ``B >= 1``: ``F ~ 1 + x [[0, B + 1], [B - 1, 0]]``, ``x = tanh(k t)/sqrt(B^2 - 1)`` with ``k =
