@@ -5,6 +5,7 @@ The last test keeps the list complete: a function that takes one of these must b
 
 import inspect
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -279,3 +280,22 @@ def test_paths_are_checked_when_they_are_made() -> None:
     """So that `PathBundle` and all that takes a path need not look again."""
     with pytest.raises(HistoryError, match="has trace"):
         PathBundle([history(PLANAR), history(np.diag([1.0, 0.0]))])
+
+
+@pytest.mark.parametrize(
+    ("time", "points", "message"),
+    [
+        ([0.0, 1.0, 1.0], 3, r"after time\[1\] = 1 s"),
+        ([0.0, 2.0, 1.0], 3, r"after time\[1\] = 2 s"),
+        ([0.0, np.nan, 1.0], 3, r"time\[1\] = nan s: must be finite"),
+        ([0.0, np.inf, np.inf], 3, r"time\[1\] = inf s: must be finite"),
+        ([0.0, 1.0], 3, r"time has shape \(2,\), expected \(3,\)"),
+        ([0.0], 1, "two points or more"),
+    ],
+)
+def test_times_of_a_path_of_ones_own(time: list[float], points: int, message: str) -> None:
+    # a FlowHistory has its own checks; anything with a time and a gradient is taken, too
+    gradient = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], (points, 3, 3))
+    path = SimpleNamespace(time=np.array(time), gradient=gradient)
+    with pytest.raises(HistoryError, match=message):
+        fiber.follow_directors(path, 0.9, [[1.0, 0.0, 0.0]])

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.fiber.checks import checked_gradient, checked_unit
+from fibermelt.fiber.checks import checked_gradient, checked_times, checked_unit
 from fibermelt.fiber.expansion import EXPONENT_BOUND, exponential3, magnus_generator
 from fibermelt.fiber.magnus import GAUSS, PathInterpolant
 from fibermelt.fiber.motion import ANGLE_TOLERANCE
@@ -101,7 +101,8 @@ def follow_directors(
     ConfigError
         If a direction is not a unit vector, or the shape factor or tolerance not usable.
     HistoryError
-        If a gradient is not finite or has a trace.
+        If time does not increase, the gradients are not one for each time, or a gradient is not
+        finite or has a trace.
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
@@ -112,10 +113,11 @@ def follow_directors(
     if not (np.isfinite(shape_factor) and tolerance > 0):
         msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
         raise ConfigError(msg)
-    L = path.gradient
+    L = np.asarray(path.gradient, dtype=np.float64)
     L = checked_gradient(embed_planar(L) if L.shape[-1] == 2 else L, 3)
-    maps, scale, substeps = _interval_maps(path.time, L, shape_factor, tolerance)
-    direction, stretch = _carry(path.time, maps, scale, start)
+    time = checked_times(path.time, L.shape[:-2])
+    maps, scale, substeps = _interval_maps(time, L, shape_factor, tolerance)
+    direction, stretch = _carry(time, maps, scale, start)
     return DirectorMotion(start, direction, stretch, substeps)
 
 
