@@ -238,6 +238,17 @@ def test_a_semi_axis_that_is_none(axis: int, value: float) -> None:
         Ellipsoid((axes[0], axes[1], axes[2]))
 
 
+def test_a_spheroid_by_two_axes() -> None:
+    with pytest.raises(ConfigError, match=r"fiber\.semi_axes = \(1.0, 2.0\): must be three"):
+        Ellipsoid((1.0, 2.0))
+
+
+def test_an_orbit_in_closed_form_is_of_one_direction() -> None:
+    # two times and two directions would otherwise be taken in pairs
+    with pytest.raises(ConfigError, match=r"direction has shape \(2, 3\), expected \(3,\)"):
+        fiber.jeffery_director([0.0, 1.0], 1.0, 6.0, np.eye(3)[:2])
+
+
 def test_a_shape_factor_without_a_period() -> None:
     with pytest.raises(ConfigError, match=r"shape_factor = -1: must be above -1"):
         tumbling_period(-1.0, 1.0)
