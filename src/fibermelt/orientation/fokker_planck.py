@@ -31,13 +31,13 @@ from fibermelt.orientation.distribution import (
     isotropic_distribution,
     tail,
 )
+from fibermelt.orientation.flows import checked_gradient
 from fibermelt.orientation.harmonics import SphereOperators, sphere_operators
 from fibermelt.orientation.sphere_rate import (
     assemble_rate,
     checked_degree,
     checked_diffusivity,
     checked_factor,
-    checked_gradient,
     checked_history,
     integrate_rate,
     rate_weights,

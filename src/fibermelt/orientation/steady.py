@@ -31,7 +31,8 @@ __all__ = ["SteadyState", "steady_state"]
 Array = NDArray[np.float64]
 
 RESIDUAL_TOLERANCE = 1e-12
-"""Largest ``|a_dot|/gamma_dot`` of a steady state: a few hundred roundings of terms of order 1."""
+"""Largest ``|a_dot|/gamma_dot`` of a steady state: a few hundred roundings of terms of order 1.
+With a diffusion above one, times that: so large are its terms."""
 
 ON_THE_WAY = 1e-6
 """The same for states that only predict the next."""
@@ -142,6 +143,11 @@ class _Problem:
                 return None
         return None
 
+    @property
+    def tolerance(self) -> float:
+        """Return the residual [-] at which a state is steady: the diffusion's terms round, too."""
+        return RESIDUAL_TOLERANCE * max(1.0, self.model.strength)
+
     def tangent(self, model: OrientationModel, point: _Point) -> Array:
         """Return ``d v/d log(diffusion)``: the rate is linear in the diffusion."""
         a = unpack(point.v)
@@ -169,9 +175,9 @@ def steady_state(
     Returns
     -------
     SteadyState
-        With residual at most 1e-12, found in at most 10 steps at the model's own diffusion. A state
-        that fibers cannot have (eigenvalues outside [0, 1]) is returned and says so, as is one
-        that is not stable.
+        With residual at most 1e-12, times the diffusion's strength if that is above one, found in
+        at most 10 steps at the model's own diffusion. A state that fibers cannot have (eigenvalues
+        outside [0, 1]) is returned and says so, as is one that is not stable.
 
     Raises
     ------
@@ -204,11 +210,11 @@ def steady_state(
         point, steps = _continued(problem)
     else:
         first = checked_orientation(np.asarray(start, dtype=np.float64), "start")
-        found = problem.newton(problem.model, pack(first), RESIDUAL_TOLERANCE)
+        found = problem.newton(problem.model, pack(first), problem.tolerance)
         if found is None:
             msg = (
                 f"steady state of {model.name} with closure {closure.name}, "
-                f"C_I = {model.strength:.4g}: Newton does not reach {RESIDUAL_TOLERANCE:g} in "
+                f"C_I = {model.strength:.4g}: Newton does not reach {problem.tolerance:g} in "
                 f"{MOST_ITERATIONS} steps from the start given: leave it out, or give a nearer one"
             )
             raise ConvergenceError(msg)
@@ -226,7 +232,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         )
         raise ConfigError(msg)
     level = max(math.log(FIRST_STRENGTH / target.strength), 0.0)
-    tolerance = RESIDUAL_TOLERANCE if level == 0.0 else ON_THE_WAY
+    tolerance = problem.tolerance if level == 0.0 else ON_THE_WAY
     model = target.scaled(math.exp(level))
     point = problem.newton(model, pack(isotropic()), tolerance)
     if point is None:
@@ -236,7 +242,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         lower = max(level - step, 0.0)
         guess = point.v + (lower - level) * problem.tangent(model, point)
         trial = target.scaled(math.exp(lower)) if lower > 0.0 else target
-        found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else RESIDUAL_TOLERANCE)
+        found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else problem.tolerance)
         states += 1
         if found is None or _strays(found, point, guess, level - lower):
             step *= 0.5
