@@ -119,8 +119,8 @@ class _Problem:
 
     model: OrientationModel
     L: Array
-    closure: ClosureLike
     shear_rate: float
+    closure: ClosureLike
 
     def newton(self, model: OrientationModel, v: Array, tolerance: float) -> _Point | None:
         """Return the root near ``v``, or None if `MOST_ITERATIONS` do not reach it."""
@@ -197,15 +197,7 @@ def steady_state(
     coincident eigenvalues, where those laws jump: stability there is along changes that keep
     them together.
     """
-    gradient = checked_gradient(L)
-    if gradient.shape != (3, 3):
-        msg = f"steady state: L has shape {gradient.shape}, expected one gradient (3, 3)"
-        raise ConfigError(msg)
-    rate = float(shear_rate(strain_and_spin(gradient)[0]))
-    if rate == 0.0:
-        msg = "steady state: L strains nothing, every orientation is steady: give a flow"
-        raise ConfigError(msg)
-    problem = _Problem(model.without_retardation(), gradient, closure, rate)
+    problem = _Problem(model.without_retardation(), *_checked_flow(L), closure)
     if start is None:
         point, steps = _continued(problem)
     else:
@@ -220,6 +212,19 @@ def steady_state(
             raise ConvergenceError(msg)
         point, steps = found, 0
     return _described(problem, model, point, steps)
+
+
+def _checked_flow(L: ArrayLike) -> tuple[Array, float]:
+    """Return a velocity gradient and its ``gamma_dot`` [1/s]; refuse one that strains nothing."""
+    gradient = checked_gradient(L)
+    if gradient.shape != (3, 3):
+        msg = f"steady state: L has shape {gradient.shape}, expected one gradient (3, 3)"
+        raise ConfigError(msg)
+    rate = float(shear_rate(strain_and_spin(gradient)[0]))
+    if rate == 0.0:
+        msg = "steady state: L strains nothing, every orientation is steady: give a flow"
+        raise ConfigError(msg)
+    return gradient, rate
 
 
 def _continued(problem: _Problem) -> tuple[_Point, int]:
