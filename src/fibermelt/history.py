@@ -41,7 +41,12 @@ class FlowHistory:
     Raises
     ------
     HistoryError
-        If shapes disagree, a value is not finite, time does not increase or ``L`` has a trace.
+        If shapes disagree, a value is no finite number, time does not increase or ``L`` has a
+        trace.
+
+    Notes
+    -----
+    The arrays are copies, and read-only: what was computed from a history may be kept for it.
     """
 
     time: Array
@@ -51,8 +56,10 @@ class FlowHistory:
     pressure: Array
 
     def __post_init__(self) -> None:
-        """Refuse what no incompressible melt can do."""
-        n = self.time.shape[0]
+        """Take the numbers over, and refuse what no incompressible melt can do."""
+        for name in ("time", "position", "velocity", "gradient", "pressure"):
+            object.__setattr__(self, name, _own(name, getattr(self, name)))
+        n = self.time.size
         shapes = {
             "time": (n,),
             "position": (n, 2),
@@ -69,9 +76,7 @@ class FlowHistory:
                 bad = int(np.flatnonzero(~np.isfinite(value.reshape(n, -1)).all(axis=1))[0])
                 msg = f"history: {name}[{bad}] = {value[bad]} is not finite"
                 raise HistoryError(msg)
-        if n < 2 or np.any(np.diff(self.time) <= 0):
-            msg = f"history: time must increase strictly over at least 2 points, got {n} points"
-            raise HistoryError(msg)
+        _refuse_still(self.time)
         trace = np.abs(np.trace(self.gradient, axis1=1, axis2=2))
         size = np.linalg.norm(self.gradient, axis=(1, 2))
         worst = int(np.argmax(trace - TRACE_TOLERANCE * size))
@@ -108,6 +113,32 @@ class FlowHistory:
     def direction(self) -> Array:
         """Return the angle of the velocity from the x axis [rad], continuous along the path."""
         return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
+
+
+def _own(name: str, value: object) -> Array:
+    """Return a read-only copy of numbers as an array, or refuse what is none."""
+    try:
+        owned = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        msg = f"history: {name} is no array of numbers ({error})"
+        raise HistoryError(msg) from error
+    owned.setflags(write=False)
+    return owned
+
+
+def _refuse_still(time: Array) -> None:
+    """Refuse times that are too few or do not increase."""
+    if time.size < 2:
+        msg = f"history: {time.size} points of time: a path has at least 2"
+        raise HistoryError(msg)
+    still = np.flatnonzero(np.diff(time) <= 0.0)
+    if still.size:
+        k = int(still[0])
+        msg = (
+            f"history: time must increase strictly, but time[{k + 1}] = {time[k + 1]:.12g} s "
+            f"follows {time[k]:.12g} s: leave out points that are met twice"
+        )
+        raise HistoryError(msg)
 
 
 def simple_shear(rate: float, duration: float, points: int = 201) -> FlowHistory:

@@ -11,7 +11,7 @@ import re
 from decimal import Decimal
 from functools import cache
 from tokenize import TokenError
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import LONGEST, ConfigError, legible
 
@@ -26,6 +26,7 @@ _QUANTITY = re.compile(
     re.DOTALL,
 )
 _UNIT = re.compile(r"(?:1?\s*+/)?(?:[\s*/()]|[A-Za-z%µμ]++(?:\^?[+-]?\d)?)*+")
+_SEPARATED = re.compile(r"[,_]\d")
 _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
 POWER_OF_TEN_TOLERANCE = 1e-12
@@ -33,6 +34,10 @@ POWER_OF_TEN_TOLERANCE = 1e-12
 
 ZERO_CELSIUS = 273.15
 """0 degC [K]."""
+
+MANY = 2.0**20
+"""Units that are converted for the factor of a scale with a zero of its own: beside so many, its
+255 K (0 degF) cost no digits."""
 
 LINEARITY_TOLERANCE = 1e-9
 """Largest part by which two units may miss the double of one: above rounding, below a decibel."""
@@ -75,10 +80,7 @@ def _scale(unit: str, si_unit: str) -> tuple[float, float]:
         raise ConfigError(msg) from error
     target = registry.parse_units(_pint_unit(si_unit) if si_unit else "dimensionless")
     try:
-        zero, one, two = (
-            float(registry.Quantity(count, source).to(target).magnitude)
-            for count in (0.0, 1.0, 2.0)
-        )
+        zero, one, two = (_converted(count, source, target) for count in (0.0, 1.0, 2.0))
     except pint.DimensionalityError as error:
         wanted = "an angle" if si_unit == "rad" else _kind(target)
         msg = f"{named} measures {_kind(source)}, not {wanted}"
@@ -86,14 +88,19 @@ def _scale(unit: str, si_unit: str) -> tuple[float, float]:
     except (pint.PintError, OverflowError) as error:
         msg = f"{named} cannot be converted to {si_unit or 'a pure number'}"
         raise ConfigError(msg) from error
-    factor = one - zero
-    if not (math.isfinite(factor) and factor > 0):
+    step = one - zero
+    if not (math.isfinite(step) and step > 0):
         msg = f"{named} cannot be converted to {si_unit or 'a pure number'}"
         raise ConfigError(msg)
-    if abs(two - one - factor) > LINEARITY_TOLERANCE * max(abs(factor), abs(two)):
+    if abs(two - one - step) > LINEARITY_TOLERANCE * max(abs(step), abs(two)):
         msg = f"{named} is logarithmic: write the value itself"
         raise ConfigError(msg)
-    return factor, zero
+    return (_converted(MANY, source, target) - zero) / MANY if zero else step, zero
+
+
+def _converted(count: float, source: Any, target: Any) -> float:
+    """Return so many of a unit in another."""
+    return float(_registry().Quantity(count, source).to(target).magnitude)
 
 
 def _kind(unit: object) -> str:
@@ -156,6 +163,12 @@ def parse(value: object, unit: str) -> float:
         given, given_number = (match["unit"] or "").strip(), match["number"]
         if unit and not given:
             msg = f"has no unit: write one, or the bare number {legible(given_number)} for {unit}"
+            raise ConfigError(msg)
+        if _SEPARATED.match(given):
+            msg = (
+                f'has "{given[0]}" in its number: write a decimal point, and nothing between '
+                "thousands"
+            )
             raise ConfigError(msg)
         factor, offset = _scale(given, unit) if given else (1.0, 0.0)
         number = _scaled(given_number, factor) + offset

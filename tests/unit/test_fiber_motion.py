@@ -170,3 +170,10 @@ def test_bad_input() -> None:
         angle_to_stream_at(history, follow(history, 1.0, paper_angles()), np.array([99.0]))
     with pytest.raises(ConvergenceError, match="more points"):
         follow(steady(np.array([[0.0, 1e6], [0.0, 0.0]]), 1.0), 1.0, paper_angles())
+
+
+def test_angles_at_a_time_that_is_no_list() -> None:
+    history = simple_shear(1.0, 2.0, 5)
+    motion = follow(history, 0.9, np.array([0.1, 0.3]))
+    with pytest.raises(ConfigError, match=r"times = 1\.0: must be a list"):
+        angle_to_stream_at(history, motion, np.array(1.0))

@@ -5,6 +5,7 @@ The last test keeps the list complete: a function that takes one of these must b
 
 import inspect
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -237,6 +238,17 @@ def test_a_semi_axis_that_is_none(axis: int, value: float) -> None:
         Ellipsoid((axes[0], axes[1], axes[2]))
 
 
+def test_a_spheroid_by_two_axes() -> None:
+    with pytest.raises(ConfigError, match=r"fiber\.semi_axes = \(1.0, 2.0\): must be three"):
+        Ellipsoid((1.0, 2.0))
+
+
+def test_an_orbit_in_closed_form_is_of_one_direction() -> None:
+    # two times and two directions would otherwise be taken in pairs
+    with pytest.raises(ConfigError, match=r"direction has shape \(2, 3\), expected \(3,\)"):
+        fiber.jeffery_director([0.0, 1.0], 1.0, 6.0, np.eye(3)[:2])
+
+
 def test_a_shape_factor_without_a_period() -> None:
     with pytest.raises(ConfigError, match=r"shape_factor = -1: must be above -1"):
         tumbling_period(-1.0, 1.0)
@@ -279,3 +291,22 @@ def test_paths_are_checked_when_they_are_made() -> None:
     """So that `PathBundle` and all that takes a path need not look again."""
     with pytest.raises(HistoryError, match="has trace"):
         PathBundle([history(PLANAR), history(np.diag([1.0, 0.0]))])
+
+
+@pytest.mark.parametrize(
+    ("time", "points", "message"),
+    [
+        ([0.0, 1.0, 1.0], 3, r"after time\[1\] = 1 s"),
+        ([0.0, 2.0, 1.0], 3, r"after time\[1\] = 2 s"),
+        ([0.0, np.nan, 1.0], 3, r"time\[1\] = nan s: must be finite"),
+        ([0.0, np.inf, np.inf], 3, r"time\[1\] = inf s: must be finite"),
+        ([0.0, 1.0], 3, r"time has shape \(2,\), expected \(3,\)"),
+        ([0.0], 1, "two points or more"),
+    ],
+)
+def test_times_of_a_path_of_ones_own(time: list[float], points: int, message: str) -> None:
+    # a FlowHistory has its own checks; anything with a time and a gradient is taken, too
+    gradient = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], (points, 3, 3))
+    path = SimpleNamespace(time=np.array(time), gradient=gradient)
+    with pytest.raises(HistoryError, match=message):
+        fiber.follow_directors(path, 0.9, [[1.0, 0.0, 0.0]])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +57,8 @@ def test_coarsening_keeps_everything_but_the_edges() -> None:
     assert (coarse.order, coarse.growth, coarse.tolerance) == (4, 0.2, fine.tolerance)
     assert coarse.lip_edge == 2 * fine.lip_edge
     assert fine.coarsened(1e3).surface_edge == 0.5
+    # the mesher's second try shortens all edges, also those that are as short as they may be
+    assert replace(fine, lip_edge=1e-6).coarsened(0.65).lip_edge == 1e-6
 
 
 def test_spacing_keeps_its_ends_and_its_growth() -> None:
@@ -103,3 +107,9 @@ def test_vtu_gives_back_what_was_written(tmp_path: Path) -> None:
     assert gradient[0, 0, 1] == 1.0  # du/dy of a simple shear: fails if transposed
     np.testing.assert_array_equal(read("connectivity", np.int64), field.cells.reshape(-1))
     assert set(read("types", np.uint8)) == {69}
+
+
+@pytest.mark.parametrize("guess", [math.nan, math.inf])
+def test_a_contact_that_is_no_place(guess: float) -> None:
+    with pytest.raises(ConfigError, match=r"numerics\.contact_guess = (nan|inf) m must be finite"):
+        FlowNumerics(contact_guess=guess)

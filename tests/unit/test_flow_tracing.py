@@ -10,7 +10,7 @@ from test_flow_field import square_field
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.problem import Nozzle
-from fibermelt.flow.streamlines import inlet_seeds
+from fibermelt.flow.streamlines import _first_below, inlet_seeds
 from fibermelt.flow.tracing import trace
 
 TOLERANCE = 1e-9
@@ -56,3 +56,17 @@ def test_seeds_share_the_flux_equally(count: int) -> None:
     np.testing.assert_allclose(3 * z**2 - 2 * z**3, fraction, atol=1e-14)
     np.testing.assert_allclose(x, -x[::-1], atol=1e-16)
     np.testing.assert_allclose(np.diff(fraction), 1 / count)
+
+
+def test_when_a_line_passes_a_height() -> None:
+    time, height = np.arange(5.0), np.array([4.0, 3.0, 1.0, 2.5, 0.0])
+    assert _first_below(height, time, 2.0) == 1.5
+    assert _first_below(height, time, 3.0) == 1.0
+    assert _first_below(height, time, 0.0) == 4.0
+
+
+@pytest.mark.parametrize("level", [5.0, -1.0])
+def test_a_line_that_never_passes_a_height(level: float) -> None:
+    # the first point was once taken for the last one's neighbour
+    with pytest.raises(ConvergenceError, match=r"take more streamlines\.points"):
+        _first_below(np.array([4.0, 3.0, 0.0]), np.arange(3.0), level)

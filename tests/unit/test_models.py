@@ -257,3 +257,18 @@ def test_what_is_refused() -> None:
     motion = follow_spatial(winding(), 0.9, half_sphere(3))
     with pytest.raises(ConfigError, match=r"melt\.viscosity = -1 Pa s"):
         spatial_pressure(winding(), spheroid(), -1.0, motion)
+
+
+@pytest.mark.parametrize("name", ["ellipse", "spheroid"])
+def test_one_middle_time_for_all_paths(name: str) -> None:
+    model = unbounded_model(name, Ellipse(1.0, 6.0))
+    paths = PathBundle([winding(), winding()])
+    one = model.isotropic_pressure(paths, VISCOSITY, MIDDLE, 10)
+    each = model.isotropic_pressure(paths, VISCOSITY, np.array([MIDDLE, MIDDLE]), 10)
+    assert np.array_equal(one.extremes, each.extremes)
+
+
+def test_middle_times_of_other_paths() -> None:
+    model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
+    with pytest.raises(ConfigError, match="middle_time has 3 values for 2 paths"):
+        model.isotropic_pressure(PathBundle([winding(), winding()]), VISCOSITY, np.full(3, MIDDLE))

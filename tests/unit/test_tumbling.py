@@ -18,7 +18,7 @@ from fibermelt.fiber import (
     surface_pressure,
     unbounded_ellipse,
 )
-from fibermelt.fiber.tumbling import tumble, turn_times
+from fibermelt.fiber.tumbling import tumble, turn_times, turned_angle
 from fibermelt.history import simple_shear
 
 FEW = settings(max_examples=20)
@@ -169,3 +169,13 @@ def test_no_turn(factor: float, rate: float, count: int, message: str) -> None:
 def test_no_times(time: object) -> None:
     with pytest.raises(ConfigError, match="must be a list of finite times"):
         tumble(stretched(0.5), 1.0, 1.0, time)
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.0, 1.2])
+def test_times_as_a_list(factor: float) -> None:
+    times = [0.0, 0.5, 2.0]
+    assert np.array_equal(
+        turned_angle(factor, 1.0, times), turned_angle(factor, 1.0, np.array(times))
+    )
+    with pytest.raises(ConfigError, match=r"time\[1\] = nan: must be finite"):
+        turned_angle(factor, 1.0, [0.0, np.nan])

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
-from fibermelt.units import parse, shown
+from fibermelt.units import parse, parse_difference, shown
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_temperatures_have_an_offset():
         ("3 furlongz", "m", 'has the unit "furlongz", which is not known'),
         ("3", "m", "has no unit: write one, or the bare number 3 for m"),
         ("three mm", "m", "is not a number in m"),
-        ("3,5 mm", "m", "is not known"),
+        ("3,5 mm", "m", "write a decimal point"),
         ("", "m", "is not a number in m"),
         (True, "m", "is not a number in m"),
         (None, "m", "is not a number in m"),
@@ -117,3 +117,17 @@ def test_what_is_shown_is_read_back(value, like):
 def test_shown_temperature():
     assert shown(503.15, "K", "degC") == "230 degC"
     assert shown(0.5, "") == "0.5"
+
+
+@pytest.mark.parametrize(
+    ("fahrenheit", "kelvin"), [("446", 503.15), ("32", 273.15), ("0", 459.67 / 1.8)]
+)
+def test_a_zero_far_off_costs_no_digits(fahrenheit: str, kelvin: float) -> None:
+    assert parse(f"{fahrenheit} degF", "K") == pytest.approx(kelvin, rel=2e-16)  # one rounding
+    assert parse_difference("18 degF", "K") == pytest.approx(10.0, rel=2e-16)
+
+
+@pytest.mark.parametrize(("text", "mark"), [("1,5 mm", ","), ("12_000 mm", "_")])
+def test_a_number_as_written_elsewhere(text: str, mark: str) -> None:
+    with pytest.raises(ConfigError, match=f'^has "{mark}" in its number: write a decimal point'):
+        parse(text, "m")

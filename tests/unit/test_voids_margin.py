@@ -137,6 +137,11 @@ def test_no_path(time, pressure, key) -> None:
         assess(time, pressure, 1e5)
 
 
+def test_vapor_pressures_of_other_paths() -> None:
+    with pytest.raises(HistoryError, match=r"paths of shapes \(\) \(time\) and \(3, 2\) .* \(5,\)"):
+        assess([0.0, 1.0], np.zeros((3, 2, 2)), np.ones(5))
+
+
 def test_pressures_that_are_not_absolute() -> None:
     with pytest.raises(ConfigError, match="vapor_pressure = -1 Pa"):
         assess([0.0, 1.0], [0.0, 1.0], -1.0)

@@ -222,7 +222,15 @@ def test_molecules() -> None:
         (lambda: ResidenceCondition(0.0), "diffusivity = 0 m2/s"),
         (lambda: ABS.log10_rate(np.nan), "pressure deficit = nan"),
         (lambda: critical_radius(-1.0, 1e6), "surface tension = -1 N/m"),
-        (lambda: SOLUTION.log10_rate(1e6, 0.0), "saturation = 0"),
+        (lambda: ABS.log10_rate(np.inf), "pressure deficit = inf Pa: must be finite$"),
+        (lambda: SOLUTION.log10_rate(1e6, 0.0), "saturation = 0: must be above 0$"),
+        # not a number was once counted as no time, and a negative radius as its square
+        (lambda: ResidenceCondition(1e-9).margin(1e-8, np.nan), "available time = nan s"),
+        (lambda: ResidenceCondition(1e-9).margin(1e-8, -1.0), "available time = -1 s"),
+        (lambda: ResidenceCondition(1e-9).time(np.nan), "critical radius = nan m: must be above 0"),
+        (lambda: ResidenceCondition(1e-9).time([1e-8, -1e-8]), "critical radius = -1e-08 m"),
+        (lambda: bubble_pressure(1e5, np.nan, 0.02), "bubble radius = nan m"),
+        (lambda: bubble_pressure(np.nan, 1e-8, 0.02), "pressure = nan Pa: must be finite$"),
     ],
 )
 def test_refusals(make, key: str) -> None:

@@ -159,3 +159,18 @@ def test_no_angle(angle: float) -> None:
         wetting_factor(angle)
     with pytest.raises(ConfigError, match="wetting factor"):
         vapor_angle(angle + 2.0 if angle < 0 else angle)
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (lambda: Arrhenius(1e-5, 5e3, (550.0, 450.0)), r"diffusion\.temperatures\[0\] = 550 K"),
+        (lambda: LinearTension(0.03, 500.0, -6e-5, (550.0, 450.0)), r"at most 450 K; the lowest"),
+        (lambda: LinearTension(0.03, 500.0, -6e-5, (450.0, np.inf)), r"temperatures\[1\] = inf K"),
+        (lambda: Parachor(1e-5).tension(0.0), "molar volume = 0 m3/mol: must be above 0 m3/mol$"),
+        (lambda: tension_at_density(0.03, [1e3, 0.0], 1e3), "density = 0 kg/m3: must be above 0"),
+    ],
+)
+def test_ranges_and_bounds_in_words(make, key) -> None:
+    with pytest.raises(ConfigError, match=key):
+        make()

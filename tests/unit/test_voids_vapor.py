@@ -166,6 +166,13 @@ def test_refusals(law) -> None:
     ("make", "key"),
     [
         (lambda: Henry(0.0, 300.0, 0.0), "henry.constant = 0 1/Pa: must be above 0"),
+        (
+            lambda: Henry(1e-9, 300.0, 0.0, (500.0, 400.0)),
+            r"henry\.temperatures\[0\] = 500 K.*first",
+        ),
+        (lambda: ActivityLaw(0.1, 300.0, 0.0, (np.nan, 400.0)), r"temperatures\[0\] = nan K"),
+        (lambda: FloryHuggins(1.0, 1e3, temperatures=(0.0, 9.0)), r"temperatures\[0\] = 0 K"),
+        (lambda: log_activity(0.0, 1.0), "solvent fraction = 0: must be above 0 and at most 1"),
         (lambda: ActivityLaw(1.5, 300.0), r"moisture.content = 1.5: must be above 0 and at most 1"),
         (lambda: ActivityLaw(0.1, np.inf), "moisture.reference_temperature = inf K"),
         (lambda: FloryHuggins(0.3, -1.0), "solution.polymer_density = -1"),

@@ -270,7 +270,7 @@ def test_refusals() -> None:
         steady_distribution(SHEAR, XI_6, 0.1, degree=7)
     with pytest.raises(ConfigError, match="shape_factor = nan"):
         steady_distribution(SHEAR, np.nan, 0.1)
-    with pytest.raises(HistoryError, match="trace of 3"):
+    with pytest.raises(HistoryError, match="has trace 3 1/s"):
         steady_distribution(np.eye(3), XI_6, 0.1)
     with pytest.raises(HistoryError, match="increase"):
         follow_distribution([0.0, 0.0], np.zeros((2, 3, 3)), XI_6, 0.1)

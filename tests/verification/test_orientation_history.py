@@ -139,3 +139,12 @@ def test_a_rate_that_cannot_be_followed_is_an_error() -> None:
     path = (np.array([0.0, 5e3]), np.stack([FLOWS["planar"]] * 2))
     with pytest.raises(ConvergenceError, match="closure ORF: the interval from t = 0 s"):
         follow_orientation(FolgarTucker(XI, 1e-3), CLOSURES["ORF"], path, isotropic())
+
+
+def test_no_tensors_at_all() -> None:
+    """As a sweep may be left with none: shapes go through, as everywhere."""
+    found = follow_orientation(
+        FolgarTucker(XI, 0.01), CLOSURES["ORE"], simple_shear(1.0, 2.0, 5), np.zeros((0, 3, 3))
+    )
+    assert found.a.shape == (0, 5, 3, 3)
+    assert found.error.shape == (0,)

@@ -155,3 +155,15 @@ def test_what_cannot_be_steady_is_refused() -> None:
         steady_state(model, SHEAR, closure, np.eye(3))
     with pytest.raises(ConvergenceError, match="from the start given"):
         steady_state(Jeffery(XI), SHEAR, CLOSURES["exact"], isotropic())
+
+
+@pytest.mark.parametrize("interaction", [1.0, 1e3, 1e6])
+def test_fibers_that_collide_more_than_they_turn(interaction: float) -> None:
+    """To first order ``a = I/3 + xi D/(15 D_r)``, by the moment equation about isotropy."""
+    state = steady_state(FolgarTucker(XI, interaction), SHEAR, CLOSURES["ORE"])
+    D = strain_and_spin(SHEAR)[0]
+    # 2 xi D/5 = 6 D_r (a - I/3) for a closure that is exact there; the next order is 0.006/D_r^2
+    expected = isotropic() + XI * D / (15.0 * interaction)
+    assert np.max(np.abs(state.a - expected)) < 0.02 / interaction**2 + 1e-15
+    assert state.residual <= RESIDUAL_TOLERANCE * interaction
+    assert state.is_stable

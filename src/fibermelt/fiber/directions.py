@@ -128,9 +128,13 @@ def jeffery_director(
     Raises
     ------
     ConfigError
-        If it is not a unit vector, the aspect ratio not positive, or a number not finite.
+        If it is not a unit vector, or more than one, the aspect ratio not positive, or a number not
+        finite.
     """
     p = checked_unit(direction)
+    if p.shape != (3,):
+        msg = f"direction has shape {p.shape}, expected (3,): one at a time"
+        raise ConfigError(msg)
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
     rate = float(checked_finite("shear_rate", shear_rate))
     k = rate * checked_finite("time", time) / (r + 1.0 / r)

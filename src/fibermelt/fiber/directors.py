@@ -5,7 +5,7 @@ Jeffery's equation ``p_dot = W p + B (D p - (p.D p) p)`` is the direction of a l
 fibers. They are carried from point to point and normalised there: nothing can overflow or vanish,
 however long the shear, and a start at right angles to the plane stays there for good.
 
-Between the path's points the gradient is the cubic of `fibermelt.fiber.magnus`; inside an interval
+Between the path's points the gradient is the cubic of `fibermelt.interpolation`; inside an interval
 the fourth-order Magnus series is halved until the map stands still.
 """
 
@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.fiber.checks import checked_gradient, checked_unit
+from fibermelt.fiber.checks import checked_gradient, checked_times, checked_unit
 from fibermelt.fiber.expansion import EXPONENT_BOUND, exponential3, magnus_generator
-from fibermelt.fiber.magnus import GAUSS, PathInterpolant
+from fibermelt.fiber.magnus import GAUSS
 from fibermelt.fiber.motion import ANGLE_TOLERANCE
 from fibermelt.fiber.spheroid import embed_planar
+from fibermelt.interpolation import PathInterpolant
 
 __all__ = ["DirectorMotion", "GradientPath", "follow_directors"]
 
@@ -101,7 +102,8 @@ def follow_directors(
     ConfigError
         If a direction is not a unit vector, or the shape factor or tolerance not usable.
     HistoryError
-        If a gradient is not finite or has a trace.
+        If time does not increase, the gradients are not one for each time, or a gradient is not
+        finite or has a trace.
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
@@ -112,10 +114,11 @@ def follow_directors(
     if not (np.isfinite(shape_factor) and tolerance > 0):
         msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
         raise ConfigError(msg)
-    L = path.gradient
+    L = np.asarray(path.gradient, dtype=np.float64)
     L = checked_gradient(embed_planar(L) if L.shape[-1] == 2 else L, 3)
-    maps, scale, substeps = _interval_maps(path.time, L, shape_factor, tolerance)
-    direction, stretch = _carry(path.time, maps, scale, start)
+    time = checked_times(path.time, L.shape[:-2])
+    maps, scale, substeps = _interval_maps(time, L, shape_factor, tolerance)
+    direction, stretch = _carry(time, maps, scale, start)
     return DirectorMotion(start, direction, stretch, substeps)
 
 
@@ -154,7 +157,7 @@ def _interval_maps(
     A = 0.5 * ((shape_factor + 1.0) * L + (shape_factor - 1.0) * np.swapaxes(L, -1, -2))
     field = PathInterpolant(time, A.reshape(*A.shape[:-2], 9))
     shape = field.step.shape[:-1]
-    size = np.maximum(_largest_norm(field) / EXPONENT_BOUND, 1.0).ravel()
+    size = np.maximum(field.largest_change() / EXPONENT_BOUND, 1.0).ravel()
     level = np.ceil(np.log2(size)).astype(np.intp)
     maps, scale = np.empty((level.size, 3, 3)), np.empty(level.size)
     waiting = np.ones(level.size, dtype=bool)
@@ -179,15 +182,6 @@ def _interval_maps(
         f"unevenly for {1 << MOST_HALVINGS} sub-steps: give the history more points there"
     )
     raise ConvergenceError(msg)
-
-
-def _largest_norm(field: PathInterpolant) -> Array:
-    """Return a bound of ``|A| dt`` over each interval [-], from its ends and its slopes."""
-    ends = np.maximum(
-        np.linalg.norm(field.left, axis=-1), np.linalg.norm(field((...,), 1.0), axis=-1)
-    )
-    slopes = np.linalg.norm(field.start, axis=-1) + np.linalg.norm(field.end, axis=-1)
-    return np.asarray((ends + 0.25 * slopes) * field.step[..., 0])
 
 
 def _steps(field: PathInterpolant, index: tuple[Index, ...], count: int) -> Array:

@@ -38,6 +38,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.errors import ConfigError
 from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
 from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
@@ -66,13 +67,17 @@ class Ellipsoid:
     Raises
     ------
     ConfigError
-        If one is not positive and finite.
+        If there are not three, or one is not positive and finite.
     """
 
     semi_axes: tuple[float, float, float]
 
     def __post_init__(self) -> None:
         """Refuse what is no body."""
+        axes: tuple[float, ...] = self.semi_axes
+        if len(axes) != 3:
+            msg = f"fiber.semi_axes = {axes}: must be three; a spheroid has two equal ones"
+            raise ConfigError(msg)
         for k, value in enumerate(self.semi_axes):
             checked_positive(f"fiber.semi_axes[{k}]", value, "m", "42e-6")
 

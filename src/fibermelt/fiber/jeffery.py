@@ -47,7 +47,8 @@ __all__ = [
 Array = NDArray[np.float64]
 
 MOST_SLENDER = 1e4
-"""Aspect ratio beyond any fiber's: a million surface points carry its harmonics."""
+"""Aspect ratio beyond any fiber's: a million surface points carry its harmonics. The table that
+pressures along paths are read from ends before (`fibermelt.fiber.support`)."""
 
 HARMONIC_TOLERANCE = 1e-16
 """Size of the first harmonic ``m^k`` that the surface points need not carry."""

@@ -1,15 +1,11 @@
 """The propagator over each interval of a path, to a given accuracy.
 
-Between the points of a path the velocity gradient is a cubic in time: Hermite's, with the slopes
-of the parabola through a point and its two neighbours. It is local, exact for quadratics, and on
-smooth data its error cancels over an interval to fourth order in the spacing. Inside an interval
-the fourth-order Magnus series with two Gauss points is used, halved until the propagator stands
-still: for a constant gradient one step is exact.
+Between the points of a path the velocity gradient is the cubic of `fibermelt.interpolation`. Inside
+an interval the fourth-order Magnus series with two Gauss points is used, halved until the map
+stands still: for a constant gradient one step is exact.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +13,9 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConvergenceError
 from fibermelt.fiber.paths import Path
 from fibermelt.fiber.propagator import Propagator, compose, exponential
+from fibermelt.interpolation import PathInterpolant
 
-__all__ = ["PathInterpolant", "interval_propagators"]
+__all__ = ["GAUSS", "interval_propagators"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -40,53 +37,6 @@ BLOCK = 1 << 20
 
 GAUSS = 0.5 / np.sqrt(3.0)
 """Distance of the two Gauss points from the middle, over the step."""
-
-
-class PathInterpolant:
-    """Quantities between the points of a path (see the module's docstring).
-
-    Parameters
-    ----------
-    time : (..., n) array
-        Times [s].
-    values : (..., n, k) array
-        What is interpolated, one column each.
-    """
-
-    def __init__(self, time: Array, values: Array) -> None:
-        step = np.diff(time, axis=-1)[..., None]
-        rise = np.diff(values, axis=-2)
-        slope = rise / step
-        inner = (step[..., 1:, :] * slope[..., :-1, :] + step[..., :-1, :] * slope[..., 1:, :]) / (
-            step[..., 1:, :] + step[..., :-1, :]
-        )
-        if slope.shape[-2] > 1:
-            first = 2.0 * slope[..., :1, :] - inner[..., :1, :]
-            last = 2.0 * slope[..., -1:, :] - inner[..., -1:, :]
-        else:
-            first = last = slope
-        slopes = np.concatenate([first, inner, last], axis=-2)
-        self.step = step
-        self.left, self.rise = values[..., :-1, :], rise
-        self.start, self.end = slopes[..., :-1, :] * step, slopes[..., 1:, :] * step
-
-    def __call__(self, interval: Any, fraction: float | Array) -> Array:
-        """Return the values at a fraction of the selected intervals.
-
-        Parameters
-        ----------
-        interval
-            Any numpy index into the axes ``(..., n - 1)``.
-        fraction
-            Position in the interval [0, 1], broadcast with the selection (component axis last).
-        """
-        u = fraction
-        left, rise = self.left[interval], self.rise[interval]
-        start, end = self.start[interval], self.end[interval]
-        bend = 3.0 * rise - 2.0 * start - end
-        twist = start + end - 2.0 * rise
-        value: Array = left + u * (start + u * (bend + u * twist))
-        return value
 
 
 def interval_propagators(
@@ -122,7 +72,7 @@ def interval_propagators(
     shear = 0.5 * shape_factor * (L[..., 0, 1] + L[..., 1, 0])
     gradient = PathInterpolant(path.time, np.stack([normal, shear - spin, shear + spin], axis=-1))
     shape = gradient.step.shape[:-1]
-    turning = np.maximum(_largest_turn(gradient) / LARGEST_TURN, 1.0).ravel()
+    turning = np.maximum(gradient.largest_change() / LARGEST_TURN, 1.0).ravel()
     level = np.ceil(np.log2(turning)).astype(np.intp)
     result, latest = _empty(level.size), _empty(level.size)
     waiting = np.ones(level.size, dtype=bool)
@@ -173,18 +123,6 @@ def _refuse(path: Path, where: tuple[np.intp, ...]) -> None:
 def _empty(count: int) -> Propagator:
     """Return places for maps; the identity's scale keeps what is not yet set out of overflow."""
     return Propagator(np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count))
-
-
-def _largest_turn(gradient: PathInterpolant) -> Array:
-    """Return a bound of ``|A| dt`` over each interval [rad], from its ends and its slopes."""
-    everything = (...,)
-    ends = np.maximum(
-        np.linalg.norm(gradient.left, axis=-1),
-        np.linalg.norm(gradient(everything, 1.0), axis=-1),
-    )
-    slopes = np.linalg.norm(gradient.start, axis=-1) + np.linalg.norm(gradient.end, axis=-1)
-    turn: Array = (ends + 0.25 * slopes) * gradient.step[..., 0]
-    return turn
 
 
 def _steps(gradient: PathInterpolant, interval: tuple[Index, ...], count: int) -> Propagator:

@@ -202,10 +202,13 @@ def angle_to_stream_at(path: Path, motion: Turning, times: Array) -> Array:
     Raises
     ------
     ConfigError
-        If a time lies outside the path.
+        If a time lies outside the path, or there is no list of them.
     """
     time = path.time
     times = np.asarray(times, dtype=np.float64)
+    if times.ndim == 0:
+        msg = f"times = {times}: must be a list, e.g. [{times}]"
+        raise ConfigError(msg)
     # so that what is not a number is refused, too
     if not np.all((times >= time[..., :1]) & (times <= time[..., -1:])):
         msg = f"times = {times}: outside the path, {time[..., 0].min()} to {time[..., -1].max()} s"

@@ -19,11 +19,11 @@ from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.curve import fold_angle
-from fibermelt.fiber.magnus import PathInterpolant
 from fibermelt.fiber.motion import checked_angles
 from fibermelt.fiber.newton import NewtonSolver, Rates, free_motion
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.history import FlowHistory
+from fibermelt.interpolation import PathInterpolant
 
 __all__ = ["NewtonMotion", "follow_newton", "refuse_another_fiber", "runge_kutta_step"]
 

@@ -99,25 +99,32 @@ def orbit_newton(
     if stall_angle is None:
         period, angles, pressure = _one_turn(shear, angle, unbounded / steps, LONGEST_TURN * steps)
     else:
-        angles = angle - math.pi * np.arange(steps) / steps
-        pressure = np.array([_pressure(shear, float(at)) for at in angles])
+        angles, pressure = _half_turn(shear, angle, steps)
     pressure *= viscosity
-    lowest = np.unravel_index(int(np.argmin(pressure)), pressure.shape)
+    spins = shear.spin(0.0), shear.spin(0.5 * math.pi)
     return Orbit(
         period=period,
         period_jeffery=unbounded,
-        shape_factor=(shear.spin(0.0) - shear.spin(0.5 * math.pi)) / shear_rate,
+        shape_factor=(spins[0] - spins[1]) / shear_rate,
         stalls=stall_angle is not None,
         stall_angle=stall_angle,
-        max_pressure=float(pressure.max()),
-        min_pressure=float(pressure.min()),
-        tip_max=float(pressure[:, 0].max()),
-        tip_min=float(pressure[:, 0].min()),
-        angle_at_min=float(fold_angle(angles[lowest[0]])),
-        where_at_min=float(fold_angle(system.response.surface[lowest[1]])),
+        **_extremes(system, angles, pressure),
         steps=angles.size,
         solves=shear.solver.solves,
     )
+
+
+def _extremes(system: CellSystem, angles: Array, pressure: Array) -> dict[str, float]:
+    """Return the extremes of an `Orbit` by name, from angles (n,) and surface pressures (n, m)."""
+    at, where = np.unravel_index(int(np.argmin(pressure)), pressure.shape)
+    return {
+        "max_pressure": float(pressure.max()),
+        "min_pressure": float(pressure.min()),
+        "tip_max": float(pressure[:, 0].max()),
+        "tip_min": float(pressure[:, 0].min()),
+        "angle_at_min": float(fold_angle(angles[at])),
+        "where_at_min": float(fold_angle(system.response.surface[where])),
+    }
 
 
 def _stall_angle(shear: _Shear) -> float | None:
@@ -139,6 +146,12 @@ def _pressure(shear: _Shear, angle: float) -> Array:
     """Return the surface pressure over mu at an angle [1/s], (m,)."""
     _, unknowns = shear.rate(0.0, np.array([0.0, 0.0, angle]), np.zeros(3))
     return shear.solver.surface_pressure(unknowns)
+
+
+def _half_turn(shear: _Shear, start: float, steps: int) -> tuple[Array, Array]:
+    """Return angles over half a turn [rad], and the surface pressure over mu at each, (n, m)."""
+    angles = start - math.pi * np.arange(steps) / steps
+    return angles, np.array([_pressure(shear, float(at)) for at in angles])
 
 
 def _one_turn(

@@ -83,6 +83,7 @@ class PathBundle:
         object.__setattr__(self, "histories", tuple(histories))
         for name in ("time", "position", "velocity", "gradient", "pressure"):
             stacked = np.stack([getattr(history, name) for history in histories])
+            stacked.setflags(write=False)
             object.__setattr__(self, name, stacked)
 
     def __len__(self) -> int:

@@ -49,7 +49,7 @@ class IsotropicPressure:
     Parameters
     ----------
     levels : (k,) array
-        Levels [-], in (0, 1).
+        Levels [-], in [0, 1].
     lowest, highest : (..., n, k) array
         Of the surface's lowest and highest pressure at every point.
     extremes : (..., 2, 2, k) array
@@ -179,13 +179,17 @@ def population_quantiles(
     Raises
     ------
     ConfigError
-        If a level lies outside [0, 1].
+        If a level lies outside [0, 1], or there are more or fewer middle times than paths.
     """
     _refuse_levels(levels)
+    paths = single_paths(path)
     middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
+    if middles.size not in (1, len(paths)):
+        msg = f"middle_time has {middles.size} values for {len(paths)} paths: give one, or one each"
+        raise ConfigError(msg)
     parts = [
         [_quantiles(values, levels) for values in pressures(one, float(middle))]
-        for one, middle in zip(single_paths(path), middles, strict=True)
+        for one, middle in zip(paths, np.broadcast_to(middles, len(paths)), strict=True)
     ]
     lead = path.time.shape[:-1]
     stacked = [

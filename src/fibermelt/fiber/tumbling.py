@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import checked_finite
 from fibermelt.fiber.curve import TrigonometricCurve
 from fibermelt.fiber.jeffery import jeffery_angle
 from fibermelt.fiber.orbit import checked_shear, tumbling_period
@@ -163,7 +164,9 @@ def tumble(
     )
 
 
-def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: float = 0.0) -> Array:
+def turned_angle(
+    shape_factor: float, shear_rate: float, time: ArrayLike, angle: float = 0.0
+) -> Array:
     """Return the angle of a fiber from the flow [rad] at given times, whether it stalls or not.
 
     Parameters
@@ -172,7 +175,7 @@ def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: flo
         ``B`` [-], above -1.
     shear_rate : float
         ``gamma_dot`` [1/s] of ``u_x = gamma_dot y``, positive.
-    time : (n,) array
+    time : (n,) array_like
         Times since the start [s].
     angle : float
         Angle from the flow direction at the start [rad].
@@ -180,15 +183,17 @@ def turned_angle(shape_factor: float, shear_rate: float, time: Array, angle: flo
     Raises
     ------
     ConfigError
-        If the shear rate is not positive, the angle not finite, or the shape factor not above -1.
+        If the shear rate is not positive, a time or the angle not finite, or the shape factor not
+        above -1.
     """
     rate, _, start = checked_shear(shear_rate, 1.0, angle)
     if not shape_factor > -1.0:
         msg = f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
         raise ConfigError(msg)
+    instants = checked_finite("time", time)
     if shape_factor < 1.0:
-        return jeffery_angle(time, rate, _turning_ratio(shape_factor), start)
-    return _stalling_angle(time, rate, shape_factor, start)
+        return jeffery_angle(instants, rate, _turning_ratio(shape_factor), start)
+    return _stalling_angle(instants, rate, shape_factor, start)
 
 
 def _turning_ratio(shape_factor: float) -> float:

@@ -33,6 +33,10 @@ LARGEST_OVERSHOOT = 3.0
 """A mesh edge at a lip longer than this times what was asked for is not what was asked for."""
 
 
+AT_LIP = 1e-9
+"""Distance [widths] at which an end of an edge is the lip: above rounding, below any edge."""
+
+
 @dataclass(frozen=True, eq=False)
 class Surfaces:
     """The two free surfaces as polylines, in capillary widths.
@@ -157,7 +161,7 @@ def _check_lip_edges(mesh: ng.Mesh, gap: float, asked: float) -> None:
     points = np.array([vertex.point for vertex in mesh.vertices])
     for name, x in (("upstream", -0.5), ("downstream", 0.5)):
         ends = np.array([[v.nr for v in e.vertices] for e in mesh.Boundaries(name).Elements()])
-        at_lip = np.hypot(*np.moveaxis(points[ends] - (x, gap), -1, 0)).min(axis=1) < 1e-9
+        at_lip = np.hypot(*np.moveaxis(points[ends] - (x, gap), -1, 0)).min(axis=1) < AT_LIP
         edges = np.hypot(*(points[ends[at_lip, 0]] - points[ends[at_lip, 1]]).T)
         if edges.size != 1 or edges[0] > LARGEST_OVERSHOOT * asked:
             msg = (

@@ -11,6 +11,12 @@ from fibermelt.rheology import Newtonian
 __all__ = ["Deposition", "FlowNumerics", "Nozzle"]
 
 
+EDGES = ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
+SHORTEST_EDGE, LONGEST_EDGE = 1e-6, 0.5
+"""Bounds of every edge [widths]: below, coordinates lose the digits that tell nodes apart; above,
+the capillary is no longer resolved."""
+
+
 def _require_positive(section: str, value: object, names: list[str]) -> None:
     for name in names:
         number = getattr(value, name)
@@ -163,12 +169,12 @@ class FlowNumerics:
         if not 2 <= self.order <= 6:
             msg = f"numerics.flow_order = {self.order} must lie in 2 to 6"
             raise ConfigError(msg)
-        for name in ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge"):
+        for name in EDGES:
             value = getattr(self, name)
-            if not 1e-6 <= value <= 0.5:
+            if not SHORTEST_EDGE <= value <= LONGEST_EDGE:
                 msg = (
-                    f"numerics.{name} = {value:g} must lie in 1e-06 to 0.5, "
-                    "in fractions of the capillary's width"
+                    f"numerics.{name} = {value:g} must lie in {SHORTEST_EDGE:g} to "
+                    f"{LONGEST_EDGE:g}, in fractions of the capillary's width"
                 )
                 raise ConfigError(msg)
         if not 0.05 <= self.growth <= 1.0:
@@ -177,12 +183,15 @@ class FlowNumerics:
         if not 1e-12 <= self.tolerance <= 1e-3:
             msg = f"numerics.flow_tolerance = {self.tolerance:g} must lie in 1e-12 to 1e-3"
             raise ConfigError(msg)
+        if self.contact_guess is not None and not math.isfinite(self.contact_guess):
+            msg = f"numerics.contact_guess = {self.contact_guess:g} m must be finite, or left out"
+            raise ConfigError(msg)
 
     def coarsened(self, factor: float) -> FlowNumerics:
-        """Return the same with every edge ``factor`` times as long, at most half a width."""
+        """Return the same with every edge ``factor`` times as long, within the edges' bounds."""
         edge = {
-            name: min(0.5, factor * getattr(self, name))
-            for name in ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
+            name: max(SHORTEST_EDGE, min(LONGEST_EDGE, factor * getattr(self, name)))
+            for name in EDGES
         }
         return FlowNumerics(
             order=self.order,

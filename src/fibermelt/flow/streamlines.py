@@ -82,8 +82,20 @@ def inlet_seeds(nozzle: Nozzle, count: int) -> tuple[Array, Array]:
 
 
 def _first_below(height: Array, time: Array, level: float) -> float:
-    """Return the time at which ``height`` first falls to ``level``, linear between points."""
+    """Return the time at which ``height`` first falls to ``level``, linear between points.
+
+    Raises
+    ------
+    ConvergenceError
+        If it begins there, or never falls so far: every line from the inlet passes the nozzle.
+    """
     index = int(np.argmax(height <= level))
+    if index == 0:
+        msg = (
+            f"streamline: no point at y = {level:.4g} m or below after one above (y from "
+            f"{height.max():.4g} to {height.min():.4g} m): take more streamlines.points"
+        )
+        raise ConvergenceError(msg)
     upper, lower = height[index - 1], height[index]
     part = (upper - level) / (upper - lower)
     return float(time[index - 1] + part * (time[index] - time[index - 1]))

@@ -23,6 +23,10 @@ SMALLEST_STEP = 1e-7
 """Parts of the largest step below which a line is stuck at a stagnation point or outside."""
 
 
+ARRIVED = 1e-9
+"""Distance to the outlet over the largest step at which a line has arrived: above rounding."""
+
+
 @dataclass(frozen=True, eq=False)
 class Path:
     """A traced line: arclength [m], position [m], time [s] and their slopes at every step."""
@@ -58,6 +62,24 @@ class _Tracer:
         u = self.field.evaluate(self.field.velocity, place)
         speed = np.hypot(u[:, 0], u[:, 1])
         return np.column_stack([u / speed[:, None], 1 / speed])
+
+    def step(
+        self, state: Array, slope: Array, h: Array, lines: NDArray[np.int64]
+    ) -> tuple[Array, Array, Array]:
+        """Return state and slope after a step of each line named, and its error of position [m].
+
+        The error is infinite where a stage lies outside the field.
+        """
+        stages = [slope]
+        for weights in RK45.A[1:]:
+            move = sum(w * k for w, k in zip(weights, stages, strict=False))
+            stages.append(self.slope(state + h[:, None] * move, lines))
+        new = state + h[:, None] * sum(b * k for b, k in zip(RK45.B, stages, strict=True))
+        stages.append(self.slope(new, lines))
+        miss = h[:, None] * sum(e * k for e, k in zip(RK45.E, stages, strict=True))
+        error = np.hypot(miss[:, 0], miss[:, 1])
+        error[np.isnan(error)] = np.inf
+        return new, stages[-1], error
 
 
 def trace(
@@ -102,29 +124,22 @@ def trace(
             break
         left = outlet - state[active, 0]
         h = np.minimum(np.minimum(step[active], largest_step), left)
-        stages = [slope[active]]
-        for weights in RK45.A[1:]:
-            move = sum(w * k for w, k in zip(weights, stages, strict=False))
-            stages.append(tracer.slope(state[active] + h[:, None] * move, active))
-        new = state[active] + h[:, None] * sum(b * k for b, k in zip(RK45.B, stages, strict=True))
-        stages.append(tracer.slope(new, active))
-        miss = h[:, None] * sum(e * k for e, k in zip(RK45.E, stages, strict=True))
-        error = np.hypot(miss[:, 0], miss[:, 1]) / tolerance
-        error[np.isnan(error)] = np.inf
+        new, end_slope, miss = tracer.step(state[active], slope[active], h, active)
+        error = miss / tolerance
         good = error <= 1.0
         with np.errstate(divide="ignore"):
             factor = np.clip(0.9 * error**-0.2, 0.2, 4.0)
         # a step cut short by the outlet says nothing of the step the field allows
         step[active] = np.where(good & (h == left), step[active], h * factor)
         done = active[good]
-        state[done], slope[done] = new[good], stages[-1][good]
+        state[done], slope[done] = new[good], end_slope[good]
         arclength[done] += h[good]
         for k in done:
             records[k].append(np.r_[arclength[k], state[k], slope[k]])
         if np.any(step[active] < SMALLEST_STEP * largest_step):
             k = active[np.argmin(step[active])]
             _raise_stuck(int(k), state[k], "is stuck there or leaves the mesh")
-        active = active[outlet - state[active, 0] > 1e-9 * largest_step]
+        active = active[outlet - state[active, 0] > ARRIVED * largest_step]
     else:
         _raise_stuck(int(active[0]), state[active[0]], f"did not reach x = {outlet:g} m")
     return [_path(np.array(record)) for record in records]

@@ -62,9 +62,9 @@ def _rotate(a: Array) -> tuple[Array, Array]:
     columns = [np.zeros((3, n)) for _ in range(3)]
     for k in range(3):
         columns[k][k] = 1.0
-    size = max(float(np.max(np.abs(a))), NO_DIVISION_BY_ZERO)
+    size = np.max(np.abs(a), axis=(1, 2))
     for _ in range(SWEEPS):
-        active = [pair for pair in off if np.max(np.abs(off[pair])) > ROTATED * size]
+        active = [pair for pair in off if np.any(np.abs(off[pair]) > ROTATED * size)]
         if not active:
             break
         for pair in active:

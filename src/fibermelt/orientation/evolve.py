@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel
-from fibermelt.orientation.paths import FlowPath, GradientPath, checked_history
+from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
 __all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
@@ -131,7 +131,7 @@ def follow_orientation(
             "that broadcast, e.g. (m, 1) tensors and (k,) histories"
         )
         raise ConfigError(msg) from error
-    run = _Run(model, closure, GradientPath(time, L), np.diff(time, axis=-1), rtol, atol)
+    run = _Run(model, closure, GradientAlong(time, L), np.diff(time, axis=-1), rtol, atol)
     return run.along(time, np.array(np.broadcast_to(start, (*batch, 3, 3))))
 
 
@@ -142,7 +142,7 @@ class _Run:
         self,
         model: OrientationModel,
         closure: ClosureLike,
-        gradient: GradientPath,
+        gradient: GradientAlong,
         duration: Array,
         rtol: float,
         atol: float,
@@ -188,7 +188,7 @@ class _Run:
             h = left / parts
             ended, last, difference = self._try(k, u, h, a, rate)
             bound = self.atol + self.rtol * np.maximum(np.abs(a), np.abs(ended))
-            worst = float(np.max(np.abs(difference) / bound))
+            worst = float(np.max(np.abs(difference) / bound, initial=0.0))
             if not worst <= 1.0:  # a rate that is not a number is refused too
                 self.rejected += 1
                 self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)

@@ -31,13 +31,13 @@ from fibermelt.orientation.distribution import (
     isotropic_distribution,
     tail,
 )
+from fibermelt.orientation.flows import checked_gradient
 from fibermelt.orientation.harmonics import SphereOperators, sphere_operators
 from fibermelt.orientation.sphere_rate import (
     assemble_rate,
     checked_degree,
     checked_diffusivity,
     checked_factor,
-    checked_gradient,
     checked_history,
     integrate_rate,
     rate_weights,
@@ -217,15 +217,7 @@ def follow_distribution(
     t, L, D_r = checked_history(time, gradient, diffusivity)
     weights = rate_weights(L, checked_factor(shape_factor), D_r)
     start = isotropic_distribution() if initial is None else initial
-    if start.coefficients.ndim != 1:
-        msg = f"initial has coefficients {start.coefficients.shape}: must be a single distribution"
-        raise ConfigError(msg)
-    if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
-        msg = f"tolerance = {tolerance:g}: must lie in {TOLERANCES[0]:g}..{TOLERANCES[1]:g}"
-        raise ConfigError(msg)
-    if degree is not None and degree < start.degree:
-        msg = f"degree = {degree}: must not be below the initial distribution's {start.degree}"
-        raise ConfigError(msg)
+    _check_start(start, degree, tolerance)
     calls = 0
 
     def attempt(size: int, accuracy: tuple[float, float]) -> Distribution:
@@ -244,6 +236,19 @@ def follow_distribution(
     fine = attempt(coarse.degree, FINE)
     error = float(np.max(np.abs(fine.second() - coarse.second())))
     return DistributionHistory(t, fine, error, calls)
+
+
+def _check_start(start: Distribution, degree: int | None, tolerance: float) -> None:
+    """Refuse what a history cannot begin with, and a tolerance that means nothing."""
+    if start.coefficients.ndim != 1:
+        msg = f"initial has coefficients {start.coefficients.shape}: must be a single distribution"
+        raise ConfigError(msg)
+    if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
+        msg = f"tolerance = {tolerance:g}: must lie in {TOLERANCES[0]:g}..{TOLERANCES[1]:g}"
+        raise ConfigError(msg)
+    if degree is not None and degree < start.degree:
+        msg = f"degree = {degree}: must not be below the initial distribution's {start.degree}"
+        raise ConfigError(msg)
 
 
 def _solve_steady(operators: SphereOperators, weights: Array) -> tuple[Array, float]:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import HistoryError
+from fibermelt.interpolation import SLOPE_PART, PathInterpolant
 from fibermelt.orientation.flows import checked_gradient
 
-__all__ = ["FlowPath", "GradientPath", "checked_history"]
+__all__ = ["FlowPath", "GradientAlong", "checked_history"]
 
 Array = NDArray[np.float64]
 
@@ -27,40 +28,23 @@ class FlowPath(Protocol):
         """Velocity gradient [1/s], (..., n, 2, 2) or (..., n, 3, 3)."""
 
 
-class GradientPath:
-    """Velocity gradient between the points: the cubic that the fibers are followed with.
-
-    Hermite's with the slopes of the parabola through a point and its neighbours: exact for
-    quadratics, fourth order over an interval.
-    """
+class GradientAlong:
+    """Velocity gradient along paths, between their points as fibers are followed."""
 
     def __init__(self, time: Array, L: Array) -> None:
-        step = np.diff(time, axis=-1)[..., None, None]
-        rise = np.diff(L, axis=-3)
-        slope = rise / step
-        before, after = step[..., :-1, :, :], step[..., 1:, :, :]
-        inner = (after * slope[..., :-1, :, :] + before * slope[..., 1:, :, :]) / (before + after)
-        first = last = slope[..., :1, :, :]
-        if slope.shape[-3] > 1:
-            first = 2.0 * first - inner[..., :1, :, :]
-            last = 2.0 * slope[..., -1:, :, :] - inner[..., -1:, :, :]
-        slopes = np.concatenate([first, inner, last], axis=-3)
-        self.left = L[..., :-1, :, :]
-        self.start = slopes[..., :-1, :, :] * step
-        end = slopes[..., 1:, :, :] * step
-        self.bend = 3.0 * rise - 2.0 * self.start - end
-        self.twist = self.start + end - 2.0 * rise
+        self._between = PathInterpolant(time, L.reshape(*L.shape[:-2], 9))
+        self._shape = L.shape[:-3]
         points = np.linalg.norm(L, axis=(-2, -1))
-        slack = 0.25 * np.linalg.norm(np.abs(self.start) + np.abs(end), axis=(-2, -1))
-        size = (np.maximum(points[..., :-1], points[..., 1:]) + slack) * step[..., 0, 0]
+        slopes = np.abs(self._between.start) + np.abs(self._between.end)
+        slack = SLOPE_PART * np.linalg.norm(slopes.reshape(*slopes.shape[:-1], 3, 3), axis=(-2, -1))
+        size = (np.maximum(points[..., :-1], points[..., 1:]) + slack) * self._between.step[..., 0]
         self.strain: Array = size.reshape(-1, size.shape[-1]).max(axis=0)
         """Bound of ``|L| dt`` over each interval, the largest of all histories, (n - 1,)."""
 
     def at(self, interval: int, u: float) -> Array:
         """Return ``L`` [1/s] at the fraction ``u`` of an interval, (..., 3, 3)."""
-        k = (..., interval, slice(None), slice(None))
-        value: Array = self.left[k] + u * (self.start[k] + u * (self.bend[k] + u * self.twist[k]))
-        return value
+        value = self._between((..., interval, slice(None)), u)
+        return value.reshape(*self._shape, 3, 3)
 
 
 def checked_history(history: FlowPath | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from scipy.sparse.csgraph import connected_components
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
-from fibermelt.history import TRACE_TOLERANCE
 from fibermelt.orientation.distribution import UNIFORM
+from fibermelt.orientation.flows import checked_gradient
 from fibermelt.orientation.harmonics import (
     LOWEST_DEGREE,
     PAIRS,
@@ -27,7 +27,6 @@ __all__ = [
     "checked_degree",
     "checked_diffusivity",
     "checked_factor",
-    "checked_gradient",
     "checked_history",
     "integrate_rate",
     "rate_weights",
@@ -173,29 +172,6 @@ def checked_diffusivity(diffusivity: float) -> float:
         msg = f"diffusivity = {diffusivity:g} 1/s: must not be negative, e.g. C_I gamma_dot"
         raise ConfigError(msg)
     return float(diffusivity)
-
-
-def checked_gradient(gradient: ArrayLike) -> Array:
-    """Return velocity gradients, shape (..., 3, 3), or refuse them; planar ones are embedded."""
-    L = np.asarray(gradient, dtype=np.float64)
-    if L.ndim < 2 or L.shape[-2:] not in ((3, 3), (2, 2)):
-        msg = f"gradient has shape {L.shape}, expected (..., 3, 3) or (..., 2, 2)"
-        raise HistoryError(msg)
-    if not np.all(np.isfinite(L)):
-        msg = "gradient is not finite"
-        raise HistoryError(msg)
-    trace = np.abs(np.trace(L, axis1=-2, axis2=-1))
-    if np.any(trace > TRACE_TOLERANCE * np.sum(np.abs(L), axis=(-2, -1))):
-        msg = (
-            f"gradient has a trace of {np.max(trace):.3g} 1/s; an incompressible melt has none "
-            f"(bound {TRACE_TOLERANCE:g} of sum |L_ij|): remove it before"
-        )
-        raise HistoryError(msg)
-    if L.shape[-1] == 3:
-        return L
-    spatial = np.zeros((*L.shape[:-2], 3, 3))
-    spatial[..., :2, :2] = L
-    return spatial
 
 
 def checked_history(

@@ -31,7 +31,8 @@ __all__ = ["SteadyState", "steady_state"]
 Array = NDArray[np.float64]
 
 RESIDUAL_TOLERANCE = 1e-12
-"""Largest ``|a_dot|/gamma_dot`` of a steady state: a few hundred roundings of terms of order 1."""
+"""Largest ``|a_dot|/gamma_dot`` of a steady state: a few hundred roundings of terms of order 1.
+With a diffusion above one, times that: so large are its terms."""
 
 ON_THE_WAY = 1e-6
 """The same for states that only predict the next."""
@@ -118,8 +119,8 @@ class _Problem:
 
     model: OrientationModel
     L: Array
-    closure: ClosureLike
     shear_rate: float
+    closure: ClosureLike
 
     def newton(self, model: OrientationModel, v: Array, tolerance: float) -> _Point | None:
         """Return the root near ``v``, or None if `MOST_ITERATIONS` do not reach it."""
@@ -141,6 +142,11 @@ class _Problem:
             if not np.all(np.abs(v) <= 2.0):  # components of a tensor in range are within 1
                 return None
         return None
+
+    @property
+    def tolerance(self) -> float:
+        """Return the residual [-] at which a state is steady: the diffusion's terms round, too."""
+        return RESIDUAL_TOLERANCE * max(1.0, self.model.strength)
 
     def tangent(self, model: OrientationModel, point: _Point) -> Array:
         """Return ``d v/d log(diffusion)``: the rate is linear in the diffusion."""
@@ -169,9 +175,9 @@ def steady_state(
     Returns
     -------
     SteadyState
-        With residual at most 1e-12, found in at most 10 steps at the model's own diffusion. A state
-        that fibers cannot have (eigenvalues outside [0, 1]) is returned and says so, as is one
-        that is not stable.
+        With residual at most 1e-12, times the diffusion's strength if that is above one, found in
+        at most 10 steps at the model's own diffusion. A state that fibers cannot have (eigenvalues
+        outside [0, 1]) is returned and says so, as is one that is not stable.
 
     Raises
     ------
@@ -191,6 +197,25 @@ def steady_state(
     coincident eigenvalues, where those laws jump: stability there is along changes that keep
     them together.
     """
+    problem = _Problem(model.without_retardation(), *_checked_flow(L), closure)
+    if start is None:
+        point, steps = _continued(problem)
+    else:
+        first = checked_orientation(np.asarray(start, dtype=np.float64), "start")
+        found = problem.newton(problem.model, pack(first), problem.tolerance)
+        if found is None:
+            msg = (
+                f"steady state of {model.name} with closure {closure.name}, "
+                f"C_I = {model.strength:.4g}: Newton does not reach {problem.tolerance:g} in "
+                f"{MOST_ITERATIONS} steps from the start given: leave it out, or give a nearer one"
+            )
+            raise ConvergenceError(msg)
+        point, steps = found, 0
+    return _described(problem, model, point, steps)
+
+
+def _checked_flow(L: ArrayLike) -> tuple[Array, float]:
+    """Return a velocity gradient and its ``gamma_dot`` [1/s]; refuse one that strains nothing."""
     gradient = checked_gradient(L)
     if gradient.shape != (3, 3):
         msg = f"steady state: L has shape {gradient.shape}, expected one gradient (3, 3)"
@@ -199,21 +224,7 @@ def steady_state(
     if rate == 0.0:
         msg = "steady state: L strains nothing, every orientation is steady: give a flow"
         raise ConfigError(msg)
-    problem = _Problem(model.without_retardation(), gradient, closure, rate)
-    if start is None:
-        point, steps = _continued(problem)
-    else:
-        first = checked_orientation(np.asarray(start, dtype=np.float64), "start")
-        found = problem.newton(problem.model, pack(first), RESIDUAL_TOLERANCE)
-        if found is None:
-            msg = (
-                f"steady state of {model.name} with closure {closure.name}, "
-                f"C_I = {model.strength:.4g}: Newton does not reach {RESIDUAL_TOLERANCE:g} in "
-                f"{MOST_ITERATIONS} steps from the start given: leave it out, or give a nearer one"
-            )
-            raise ConvergenceError(msg)
-        point, steps = found, 0
-    return _described(problem, model, point, steps)
+    return gradient, rate
 
 
 def _continued(problem: _Problem) -> tuple[_Point, int]:
@@ -226,7 +237,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         )
         raise ConfigError(msg)
     level = max(math.log(FIRST_STRENGTH / target.strength), 0.0)
-    tolerance = RESIDUAL_TOLERANCE if level == 0.0 else ON_THE_WAY
+    tolerance = problem.tolerance if level == 0.0 else ON_THE_WAY
     model = target.scaled(math.exp(level))
     point = problem.newton(model, pack(isotropic()), tolerance)
     if point is None:
@@ -236,7 +247,7 @@ def _continued(problem: _Problem) -> tuple[_Point, int]:
         lower = max(level - step, 0.0)
         guess = point.v + (lower - level) * problem.tangent(model, point)
         trial = target.scaled(math.exp(lower)) if lower > 0.0 else target
-        found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else RESIDUAL_TOLERANCE)
+        found = problem.newton(trial, guess, ON_THE_WAY if lower > 0.0 else problem.tolerance)
         states += 1
         if found is None or _strays(found, point, guess, level - lower):
             step *= 0.5

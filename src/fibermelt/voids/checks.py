@@ -9,7 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
 
-__all__ = ["checked_moisture", "checked_range", "checked_value", "checked_vapor"]
+__all__ = [
+    "checked_moisture",
+    "checked_range",
+    "checked_span",
+    "checked_value",
+    "checked_vapor",
+]
 
 Array = NDArray[np.float64]
 
@@ -51,12 +57,7 @@ def checked_value(
     """
     if math.isfinite(value) and value > above and least <= value <= most:
         return
-    bounds = [
-        f"{word} {bound:g} {unit}".rstrip()
-        for word, bound in (("above", above), ("at least", least), ("at most", most))
-        if math.isfinite(bound)
-    ]
-    wanted = " and ".join(bounds) if bounds else "finite"
+    wanted = _wanted(above, least, most, unit)
     msg = f"{name} = {value:g} {unit}".rstrip() + f": must be {wanted}"
     raise ConfigError(msg + (f"; {remedy}" if remedy else ""))
 
@@ -67,6 +68,8 @@ def checked_range(
     bounds: tuple[float, float],
     unit: str = "",
     remedy: str = "",
+    *,
+    positive: bool = False,
 ) -> Array:
     """Return values as an array, or refuse the first that is not finite or outside its range.
 
@@ -77,11 +80,13 @@ def checked_range(
     values : (...,) array_like
         The values [unit].
     bounds : (float, float)
-        The range [unit], both ends included.
+        The range [unit], both ends included; infinite where there is no bound.
     unit : str
         Their unit, for the message.
     remedy : str
         What to do about it.
+    positive : bool
+        Whether zero is excluded, besides.
 
     Raises
     ------
@@ -91,12 +96,48 @@ def checked_range(
     array = np.asarray(values, dtype=np.float64)
     low, high = bounds
     fine = np.isfinite(array) & (array >= low) & (array <= high)
+    if positive:
+        fine &= array > 0.0
     if not np.all(fine):
         bad = float(array[~fine].flat[0])
-        msg = f"{name} = {bad:.6g} {unit}".rstrip()
-        msg += f": must be from {low:.6g} to {high:.6g} {unit}".rstrip()
+        above, least = (0.0, -math.inf) if positive and low <= 0.0 else (-math.inf, low)
+        if math.isfinite(least) and math.isfinite(high):
+            wanted = f"from {low:.6g} to {high:.6g} {unit}".rstrip()
+        else:
+            wanted = _wanted(above, least, high, unit)
+        msg = f"{name} = {bad:.6g} {unit}".rstrip() + f": must be {wanted}"
         raise ConfigError(msg + (f"; {remedy}" if remedy else ""))
     return array
+
+
+def _wanted(above: float, least: float, most: float, unit: str) -> str:
+    """Return the bounds there are in words, or that a value must be finite."""
+    bounds = [
+        f"{word} {bound:g} {unit}".rstrip()
+        for word, bound in (("above", above), ("at least", least), ("at most", most))
+        if math.isfinite(bound)
+    ]
+    return " and ".join(bounds) if bounds else "finite"
+
+
+def checked_span(name: str, span: tuple[float, float]) -> None:
+    """Refuse temperatures between which a law holds that are not positive or not in order.
+
+    Parameters
+    ----------
+    name : str
+        What they are called.
+    span : (float, float)
+        The lowest and the highest [K]; may be equal.
+
+    Raises
+    ------
+    ConfigError
+        If they are no such pair.
+    """
+    cold, hot = span
+    checked_value(f"{name}[1]", hot, "K", above=0.0)
+    checked_value(f"{name}[0]", cold, "K", above=0.0, most=hot, remedy="the lowest comes first")
 
 
 def checked_moisture(moisture: ArrayLike, saturation: Array, temperature: Array) -> Array:

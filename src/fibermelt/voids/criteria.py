@@ -45,7 +45,7 @@ class MechanicalCriterion:
 
     def margin(self, pressure: ArrayLike) -> Array:
         """Return ``P_L - P_V`` [Pa] of local pressures [Pa, absolute], shape (...,)."""
-        P = checked_range("pressure", pressure, (-np.finfo(float).max, np.finfo(float).max), "Pa")
+        P = checked_range("pressure", pressure, (-np.inf, np.inf), "Pa")
         return P - self.vapor_pressure
 
     def is_met(self, pressure: ArrayLike) -> NDArray[np.bool_]:
@@ -78,8 +78,17 @@ class ResidenceCondition:
         checked_value("diffusivity", self.diffusivity, "m2/s", above=0.0)
 
     def time(self, radius: ArrayLike) -> Array:
-        """Return ``t_n`` [s] of critical radii [m], shape (...,); infinite with the radius."""
-        return np.asarray(radius, dtype=np.float64) ** 2 / self.diffusivity
+        """Return ``t_n`` [s] of critical radii [m], shape (...,); infinite with the radius.
+
+        Raises
+        ------
+        ConfigError
+            If a radius is not positive.
+        """
+        r = np.asarray(radius, dtype=np.float64)
+        if not np.all(r > 0.0):
+            checked_value("critical radius", float(r[~(r > 0.0)].flat[0]), "m", above=0.0)
+        return r**2 / self.diffusivity
 
     def margin(self, radius: ArrayLike, available: ArrayLike) -> Array:
         """Return ``log10(t_n/t_d)`` [decades].
@@ -95,8 +104,14 @@ class ResidenceCondition:
         -------
         (...,) array
             Positive infinity where there is no critical bubble or no time.
+
+        Raises
+        ------
+        ConfigError
+            If a radius is not positive, or a time negative or not finite.
         """
-        t_n, t_d = np.broadcast_arrays(self.time(radius), np.asarray(available, dtype=np.float64))
+        time = checked_range("available time", available, (0.0, np.inf), "s")
+        t_n, t_d = np.broadcast_arrays(self.time(radius), time)
         margin = np.full(t_n.shape, np.inf)
         possible = np.isfinite(t_n) & (t_d > 0.0)
         margin[possible] = np.log10(t_n[possible]) - np.log10(t_d[possible])

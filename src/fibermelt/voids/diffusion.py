@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.voids.checks import checked_range, checked_value
+from fibermelt.voids.checks import checked_range, checked_span, checked_value
 from fibermelt.voids.constants import GAS_CONSTANT
 
 __all__ = ["Arrhenius", "FreeVolume"]
@@ -51,6 +51,7 @@ class Arrhenius:
         checked_value(
             "diffusion.activation_temperature", self.activation_temperature, "K", least=0.0
         )
+        checked_span("diffusion.temperatures", self.temperatures)
 
     @classmethod
     def of_energy(

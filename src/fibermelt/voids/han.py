@@ -50,10 +50,10 @@ def bubble_pressure(
     ConfigError
         If a value is out of range.
     """
-    P = np.asarray(pressure, dtype=np.float64)
+    P = checked_range("pressure", pressure, (-np.inf, np.inf), "Pa")
     r = np.asarray(radius, dtype=np.float64)
-    if np.any(r <= 0.0):
-        checked_value("bubble radius", float(np.min(r)), "m", above=0.0)
+    if not np.all(r > 0.0):
+        checked_value("bubble radius", float(r[~(r > 0.0)].flat[0]), "m", above=0.0)
     for name, value, unit in (
         ("surface tension", tension, "N/m"),
         ("growth rate", growth_rate, "m/s"),
@@ -179,7 +179,7 @@ class HanHan:
         (...,) array
             Minus infinity where there is no deficit.
         """
-        degree = checked_range("saturation", saturation, (np.nextafter(0.0, 1.0), np.inf))
+        degree = checked_range("saturation", saturation, (0.0, np.inf), positive=True)
         thermal = math.log10(self.nucleus * BOLTZMANN * self.temperature)
         with np.errstate(over="ignore"):  # 10**400 of k_B T: minus infinity is the limit
             barrier = 10.0 ** (log10_barrier(self.tension, deficit) - thermal)

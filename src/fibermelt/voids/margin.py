@@ -102,7 +102,14 @@ def assess(
     _refuse_unpaired(t, gauge)
     checked_value("ambient", ambient, "Pa", least=0.0, remedy="it is absolute: 101325 Pa")
     wanted = checked_range("vapor_pressure", vapor_pressure, (0.0, np.inf), "Pa")
-    leading = np.broadcast_shapes(t.shape[:-1], gauge.shape[:-1], wanted.shape)
+    try:
+        leading = np.broadcast_shapes(t.shape[:-1], gauge.shape[:-1], wanted.shape)
+    except ValueError as error:
+        msg = (
+            f"paths of shapes {t.shape[:-1]} (time) and {gauge.shape[:-1]} (lowest_pressure) do "
+            f"not go with vapor_pressure of shape {wanted.shape}: give one for each path, or one"
+        )
+        raise HistoryError(msg) from error
     vapor = np.broadcast_to(wanted, leading)
     t, gauge = (np.broadcast_to(a, (*leading, t.shape[-1])) for a in (t, gauge))
     index = np.argmin(gauge, axis=-1)

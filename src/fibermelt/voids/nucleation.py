@@ -35,9 +35,13 @@ ONE_EVENT = 0.0
 is counted in matters little: a factor of 1e6 moves the deficit it takes by less than 10 %."""
 
 
+LEAST_BARRIER = 1e-9
+"""Decades that a threshold stays below the prefactor: a barrier of none divides by zero."""
+
+
 def checked_deficit(deficit: ArrayLike) -> Array:
     """Return pressure deficits [Pa] as an array; refuse what is not finite."""
-    return checked_range("pressure deficit", deficit, (-np.finfo(float).max, np.finfo(float).max))
+    return checked_range("pressure deficit", deficit, (-np.inf, np.inf), "Pa")
 
 
 def molecules_per_volume(
@@ -253,7 +257,7 @@ class ClassicalNucleation:
         checked_value(
             "log10 of the threshold rate",
             log10_threshold,
-            most=self.log10_prefactor - 1e-9,
+            most=self.log10_prefactor - LEAST_BARRIER,
             remedy="the melt cannot nucleate faster than its molecules attempt to",
         )
         return (self.log10_prefactor - log10_threshold) * LN10

@@ -13,6 +13,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.voids.checks import (
     checked_moisture,
     checked_range,
+    checked_span,
     checked_value,
     checked_vapor,
 )
@@ -49,7 +50,7 @@ def log_activity(fraction: ArrayLike, interaction: float, molar_volume_ratio: fl
     ----------
     Flory 1942, doi 10.1063/1.1723621; Huggins 1942, doi 10.1021/j150415a018.
     """
-    solvent = checked_range("solvent fraction", fraction, (np.nextafter(0.0, 1.0), 1.0))
+    solvent = checked_range("solvent fraction", fraction, (0.0, 1.0), positive=True)
     polymer = 1.0 - solvent
     activity: Array = (
         np.log(solvent) + polymer * (1.0 - molar_volume_ratio) + interaction * polymer**2
@@ -92,6 +93,7 @@ class FloryHuggins:
         checked_value("solution.polymer_density", self.polymer_density, "kg/m3", above=0.0)
         checked_value("solution.solvent_density", self.solvent_density, "kg/m3", above=0.0)
         checked_value("solution.molar_volume_ratio", self.molar_volume_ratio, least=0.0, most=1.0)
+        checked_span("solution.temperatures", self.temperatures)
 
     @classmethod
     def of_saturation(

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.voids.checks import checked_range, checked_value
+from fibermelt.voids.checks import checked_range, checked_span, checked_value
 
 __all__ = ["SUGDEN", "LinearTension", "Parachor", "Wetting", "girifalco_good", "tension_at_density"]
 
@@ -74,6 +74,7 @@ class LinearTension:
         checked_value("surface.tension", self.tension, "N/m", above=0.0)
         checked_value("surface.reference_temperature", self.reference_temperature, "K", above=0.0)
         checked_value("surface.slope", self.slope, "N/(m K)", most=0.0)
+        checked_span("surface.temperatures", self.temperatures)
         lowest = self.tension + self.slope * (self.temperatures[1] - self.reference_temperature)
         remedy = "give a flatter surface.slope or a narrower range of temperatures"
         checked_value("surface tension at the hot end", lowest, "N/m", above=0.0, remedy=remedy)
@@ -140,7 +141,7 @@ class Parachor:
 
     def tension(self, molar_volume: ArrayLike) -> Array:
         """Return ``eta`` [N/m] at a molar volume [m3/mol] of the same unit, > 0, shape (...,)."""
-        V = checked_range("molar volume", molar_volume, (np.nextafter(0.0, 1.0), np.inf), "m3/mol")
+        V = checked_range("molar volume", molar_volume, (0.0, np.inf), "m3/mol", positive=True)
         return (self.value / V) ** 4
 
 
@@ -163,7 +164,7 @@ def tension_at_density(tension: float, density: ArrayLike, reference_density: fl
     """
     checked_value("tension", tension, "N/m", above=0.0)
     checked_value("reference density", reference_density, "kg/m3", above=0.0)
-    rho = checked_range("density", density, (np.nextafter(0.0, 1.0), np.inf), "kg/m3")
+    rho = checked_range("density", density, (0.0, np.inf), "kg/m3", positive=True)
     return tension * (rho / reference_density) ** 4
 
 

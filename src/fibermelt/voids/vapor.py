@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from fibermelt.voids.checks import (
     checked_moisture,
     checked_range,
+    checked_span,
     checked_value,
     checked_vapor,
 )
@@ -129,6 +130,7 @@ class Henry:
         checked_value("henry.constant", self.constant, "1/Pa", above=0.0)
         checked_value("henry.reference_temperature", self.reference_temperature, "K", above=0.0)
         checked_value("henry.heat_of_solution", self.heat_of_solution, "J/mol")
+        checked_span("henry.temperatures", self.temperatures)
 
     def solubility(self, temperature: ArrayLike) -> Array:
         """Return ``H_V`` [1/Pa] at a temperature [K], shape (...,)."""
@@ -206,6 +208,7 @@ class ActivityLaw:
         checked_value("moisture.content", self.content, above=0.0, most=1.0)
         checked_value("moisture.reference_temperature", self.reference_temperature, "K", above=0.0)
         checked_value("moisture.mixing_heat", self.mixing_heat, "J/mol")
+        checked_span("moisture.temperatures", self.temperatures)
 
     def saturation_content(self, temperature: ArrayLike) -> Array:
         """Return ``w_s`` [-] at a temperature [K], shape (...,)."""
