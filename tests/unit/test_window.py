@@ -86,6 +86,26 @@ def test_the_figure_shows_every_gap_and_says_what_to_do():
     assert "between 0 and 0.02 %" in words.alt
 
 
+@pytest.mark.parametrize(
+    ("inlet", "told"),
+    [
+        (None, "the print, at one flux, for"),
+        ([0.002, 0.02], "the print, with the flux in proportion, for"),
+        ([0.002, 0.01], "the print, with a flux of its own for each, for"),
+    ],
+)
+def test_the_caption_says_how_the_flux_follows_the_speed(inlet, told):
+    """It said "in proportion" also of a sweep over the bed's speed alone."""
+    given = collected(SLOW_ONLY)
+    if inlet is not None:
+        given = given.assign_coords({"flow.inlet_speed": (SPEED, inlet)})
+    caption = window_words(given).caption
+    assert told in caption
+    assert "the viscosity is that of one rate" in caption
+    given = given.assign_coords({"melt.viscosity": (SPEED, [900.0, 800.0])})
+    assert "viscosity" not in window_words(given).caption
+
+
 def test_the_shipped_window_is_a_sweep_of_speed_and_gap():
     sweep = read_sweep(load_study("window"))
     assert sweep.shape == (3, 3)
