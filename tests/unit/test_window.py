@@ -66,6 +66,12 @@ def test_advice_names_moisture_speed_and_gap_in_one_sentence():
     assert "no advice" in drying_advice(collected(np.full((2, 3), np.nan), np.full((2, 3), np.nan)))
 
 
+def test_a_speed_is_hopeless_only_with_all_beyond_it():
+    """From a slow one without an answer to its drying on, the advice gave up the fast ones too."""
+    advice = drying_advice(collected(SLOW_ONLY[::-1]))
+    assert advice.endswith("print at 100 mm/s and a gap of 3 mm to keep every fiber free of voids.")
+
+
 def test_another_sweep_is_no_window():
     with pytest.raises(ConfigError, match=r"a process window is a sweep over flow\.bed_speed and"):
         critical_moistures(collected(SLOW_ONLY).isel({GAP: 0}))
