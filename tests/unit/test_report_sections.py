@@ -67,6 +67,17 @@ def test_table_1_stands_with_ours_and_the_papers_beside_jefferys(orbits: dict[st
     ]
 
 
+def test_how_much_the_cell_is_felt_follows_the_numbers(orbits: dict[str, Any]) -> None:
+    """Every cell was told to be far enough to matter little, also one that stalls the fiber."""
+    changed = copy.deepcopy(orbits)
+    base = changed["orbits"]["cases"][0]
+    base["confined-ellipse"]["period"] = 1.25 * base["ellipse"]["period"]
+    html = shear(xr.Dataset(), changed)
+    assert "a turn takes 125.0 % of the time that Jeffery’s takes" in html
+    base["confined-ellipse"]["period"] = None
+    assert "so near that the fiber stalls in it" in shear(xr.Dataset(), changed)
+
+
 def test_a_fiber_that_stalls_has_no_period(orbits: dict[str, Any]) -> None:
     stalled = copy.deepcopy(orbits)
     row = stalled["orbits"]["periods"][0]
@@ -214,6 +225,22 @@ def test_the_answer_is_yes_or_no_by_the_margin(bead: xr.Dataset, risk: dict[str,
     html = answer(bead, {**risk, "voids": told_of(risk, **high)})
     assert "No: on a fiber in its worst direction the pressure stays above" in html
     assert "by 0.10 MPa" in html
+
+
+@pytest.mark.parametrize("margin", [-8e5, 1e5])
+def test_either_answer_tells_which_streamlines_it_leaves_out(
+    bead: xr.Dataset, risk: dict[str, Any], margin: float
+) -> None:
+    """A no that held without them only passed for one that holds everywhere."""
+    numbers = {"lowest_pressure": margin, "margin": margin, "share_below": 0.25}
+    found = told_of(risk, **numbers)
+    lines = found["streamlines"]
+    for place, line in enumerate(lines):
+        line["near_singularity"] = place == 0
+    left = f"Left out are the 1 of {len(lines)} streamlines that pass a singular corner"
+    assert left in answer(bead, {**risk, "voids": found})
+    lines[0]["near_singularity"] = False
+    assert "Left out" not in answer(bead, {**risk, "voids": found})
 
 
 def test_the_answer_tells_the_place_that_is_stored(bead: xr.Dataset, risk: dict[str, Any]) -> None:

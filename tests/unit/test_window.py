@@ -66,6 +66,12 @@ def test_advice_names_moisture_speed_and_gap_in_one_sentence():
     assert "no advice" in drying_advice(collected(np.full((2, 3), np.nan), np.full((2, 3), np.nan)))
 
 
+def test_a_speed_is_hopeless_only_with_all_beyond_it():
+    """From a slow one without an answer to its drying on, the advice gave up the fast ones too."""
+    advice = drying_advice(collected(SLOW_ONLY[::-1]))
+    assert advice.endswith("print at 100 mm/s and a gap of 3 mm to keep every fiber free of voids.")
+
+
 def test_another_sweep_is_no_window():
     with pytest.raises(ConfigError, match=r"a process window is a sweep over flow\.bed_speed and"):
         critical_moistures(collected(SLOW_ONLY).isel({GAP: 0}))
@@ -84,6 +90,26 @@ def test_the_figure_shows_every_gap_and_says_what_to_do():
     words = window_words(given)
     assert drying_advice(given) in words.caption
     assert "between 0 and 0.02 %" in words.alt
+
+
+@pytest.mark.parametrize(
+    ("inlet", "told"),
+    [
+        (None, "the print, at one flux, for"),
+        ([0.002, 0.02], "the print, with the flux in proportion, for"),
+        ([0.002, 0.01], "the print, with a flux of its own for each, for"),
+    ],
+)
+def test_the_caption_says_how_the_flux_follows_the_speed(inlet, told):
+    """It said "in proportion" also of a sweep over the bed's speed alone."""
+    given = collected(SLOW_ONLY)
+    if inlet is not None:
+        given = given.assign_coords({"flow.inlet_speed": (SPEED, inlet)})
+    caption = window_words(given).caption
+    assert told in caption
+    assert "the viscosity is that of one rate" in caption
+    given = given.assign_coords({"melt.viscosity": (SPEED, [900.0, 800.0])})
+    assert "viscosity" not in window_words(given).caption
 
 
 def test_the_shipped_window_is_a_sweep_of_speed_and_gap():

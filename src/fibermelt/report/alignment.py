@@ -149,7 +149,7 @@ def alignment_words(results: xr.Dataset) -> Words:
             "singular corner."
         ),
         alt=(
-            "Three charts by streamline. Most fibers lie nearly along the streamline, the nearer "
-            f"to the nozzle's edges the more closely: {'; '.join(told)}."
+            "Three charts by streamline of the fibers' angles to it, either way: "
+            f"{'; '.join(told)}."
         ),
     )

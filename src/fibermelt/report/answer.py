@@ -132,10 +132,6 @@ def _risk(found: Mapping[str, Any]) -> str:
         f"{found['temperature'] - CELSIUS:.0f} °C, {fixed(MPA * found['vapor_pressure'], 2)} MPa"
     )
     on = "on a fiber in its worst direction the pressure"
-    if margin >= 0:
-        return f"No: {on} stays above {vapor}, by {fixed(MPA * margin, 2)} MPa."
-    share = found["share_below"]
-    of = "all of the melt" if share == 1 else f"{short(PERCENT * share, 2)} % of the melt"
     flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])
     left = (
         f" Left out are the {flagged} of {len(found['streamlines'])} streamlines that pass a "
@@ -143,6 +139,10 @@ def _risk(found: Mapping[str, Any]) -> str:
         if flagged
         else ""
     )
+    if margin >= 0:
+        return f"No: {on} stays above {vapor}, by {fixed(MPA * margin, 2)} MPa.{left}"
+    share = found["share_below"]
+    of = "all of the melt" if share == 1 else f"{short(PERCENT * share, 2)} % of the melt"
     return (
         f"Yes: {on} falls to {fixed(MPA * lowest, 2)} MPa absolute, {fixed(-MPA * margin, 2)} MPa "
         f"below {vapor}, and {of} sometime sees less than that pressure.{left}"

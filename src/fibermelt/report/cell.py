@@ -12,6 +12,7 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.tri import TriContourSet
 
 from fibermelt.report.drawing import curves, frame, scene_axes
+from fibermelt.report.lines import study_of
 from fibermelt.report.scene import Window
 from fibermelt.report.style import (
     ATMOSPHERE,
@@ -166,6 +167,13 @@ def _shear(axes: Axes, radius: float, angle: float) -> None:
     axes.text(-1.03 * radius, 0.98 * radius, rf"$\theta$ = {degrees}°", ha="left", va="center")
 
 
+def _meshed(results: xr.Dataset) -> str:
+    """Return what the cell is meshed with."""
+    if study_of(results).get("numerics", {}).get("cell_mesh") == "paper":
+        return "The paper's 1800 quadratic triangles, finest at the fiber"
+    return "Curved elements, graded to the tip"
+
+
 def cell_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_cell`."""
     found = _deepest(results)
@@ -180,7 +188,7 @@ def cell_words(results: xr.Dataset) -> Words:
         cell = (
             f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
             f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
-            "Curved elements, graded to the tip, in the fiber's axes."
+            f"{_meshed(results)}, in the fiber's axes."
         )
     return Words(
         caption=(
@@ -190,8 +198,8 @@ def cell_words(results: xr.Dataset) -> Words:
             "surface. Red: lower than the melt's own pressure."
         ),
         alt=(
-            f"An ellipse {aspect:g} times as long as wide in a circle, with rays and rings of "
-            "curved elements that are finest at its two tips. In simple shear the pressure "
+            f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "
+            "finest at the ellipse. In simple shear the pressure "
             f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
             f"eccentric angle {where:.0f}° and at the opposite point of the surface."
         ),

@@ -41,11 +41,19 @@ def shear(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     words = Markup(
         "<p>A fiber of aspect ratio {} lies in a shear of {} 1/s and a melt of {} Pa s, and turns. "
         "The melt around it is cut off by a circle, the fiber’s cell, whose edge moves as the "
-        "undisturbed flow does. Its radius is M/2 half-lengths of the fiber: here M = {}, far "
-        "enough for the cell to matter little. Jeffery’s fiber lies in an unbounded melt.</p>\n"
-    ).format(*(short(base[name]) for name in VARIED), size)
+        "undisturbed flow does. Its radius is M/2 half-lengths of the fiber: here M = {}, {}. "
+        "Jeffery’s fiber lies in an unbounded melt.</p>\n"
+    ).format(*(short(base[name]) for name in VARIED), size, _felt(base))
     tables = [_periods(found["periods"], sweep, size) for sweep in VARIED]
     return words + Markup().join(tables) + _pressures(found["cases"], size)
+
+
+def _felt(base: Mapping[str, Any]) -> str:
+    """Return how much a fiber feels its cell."""
+    ours, free = base["confined-ellipse"]["period"], base["ellipse"]["period"]
+    if ours is None:
+        return "so near that the fiber stalls in it"
+    return f"in which a turn takes {percent(ours / free, 1)} % of the time that Jeffery’s takes"
 
 
 def _periods(periods: Sequence[Mapping[str, Any]], sweep: str, size: str) -> Markup:

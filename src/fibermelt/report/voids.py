@@ -113,15 +113,13 @@ def _map(
 
 def _of(results: xr.Dataset, name: str, basis: str) -> Array:
     """Return a variable of one basis."""
-    place = [str(label) for label in results["void_basis"].to_numpy()].index(basis)
-    values: Array = results[name].isel(void_basis=place).to_numpy()
+    values: Array = results[name].sel(void_basis=basis).to_numpy()
     return values
 
 
 def _selected(results: xr.Dataset, name: str, selection: str) -> xr.DataArray:
     """Return a variable of the profile with or without the singular streamlines."""
-    place = [str(label) for label in results["void_selection"].to_numpy()].index(selection)
-    return results[name].isel(void_selection=place)
+    return results[name].sel(void_selection=selection)
 
 
 def _limit(results: xr.Dataset) -> float:
@@ -175,8 +173,7 @@ def _profile(axes: Axes, results: xr.Dataset) -> None:
 
 
 def _of_selected(results: xr.Dataset, name: str, selection: str, basis: str) -> Array:
-    place = [str(label) for label in results["void_basis"].to_numpy()].index(basis)
-    values: Array = _selected(results, name, selection).isel(void_basis=place).to_numpy()
+    values: Array = _selected(results, name, selection).sel(void_basis=basis).to_numpy()
     return values
 
 

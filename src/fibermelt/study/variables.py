@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from fibermelt.study.voids.variables import VOID_VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VARIABLES", "labelled"]
+__all__ = ["VARIABLES", "labelled", "or_none"]
 
 _PATH = "streamline point"
 _FIBER = "streamline initial_angle point"
@@ -170,3 +171,9 @@ def labelled(arrays: Mapping[str, Any]) -> xr.Dataset:
         attributes = {"units": unit, "long_name": long_name}
         variables[name] = (tuple(dimensions.split()), array, attributes)
     return xr.Dataset(variables)
+
+
+def or_none(value: Any) -> float | None:
+    """Return a number of the results, None for the NaN of what does not exist."""
+    number = float(value)
+    return None if math.isnan(number) else number

@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 __all__ = ["figure_window", "window_words"]
 
 PERCENT = 100.0
+INLET, VISCOSITY = "flow.inlet_speed", "melt.viscosity"
+"""What may vary together with the speed of the print, by their keys."""
+
+SAME = 1e-9
+"""Relative difference to which ratios of two speeds are the same: units bring roundings."""
+
 MARKERS = "osD^vP*X"
 
 HEIGHT, LEFT, WIDE = 68.0, (14.0, 109.0), 78.0
@@ -77,11 +83,11 @@ def window_words(collected: xr.Dataset) -> Words:
     return Words(
         caption=(
             "Critical moisture, below which no bubble can grow on a fiber, against the speed of "
-            "the print, with the flux in proportion, for each gap between nozzle and bed. (a) At "
+            f"the print, {_flux(collected)}, for each gap between nozzle and bed. (a) At "
             "the worst place of the bead for the worst direction of a fiber; 0: the melt is under "
             "tension there, and no drying helps. (b) Of the median fiber of an isotropic start, "
-            "mean by flux. Without the streamlines that pass close by a singular corner; the "
-            "viscosity is that of one rate of deformation at all speeds. " + advice
+            "mean by flux. Without the streamlines that pass close by a singular corner"
+            f"{_viscosity(collected)}. {advice}"
         ),
         alt=(
             "Two charts of critical moisture against print speed, a line for each gap. The worst "
@@ -89,6 +95,22 @@ def window_words(collected: xr.Dataset) -> Words:
             + advice
         ),
     )
+
+
+def _flux(collected: xr.Dataset) -> str:
+    """Return how the flux follows the speed of the print."""
+    if INLET not in collected.coords:
+        return "at one flux"
+    share = (collected[INLET] / collected[SPEED]).to_numpy()
+    even = np.ptp(share) <= SAME * np.max(share)
+    return "with the flux in proportion" if even else "with a flux of its own for each"
+
+
+def _viscosity(collected: xr.Dataset) -> str:
+    """Return that the viscosity does not follow the speed, unless it does."""
+    if VISCOSITY in collected.coords:
+        return ""
+    return "; the viscosity is that of one rate of deformation at all speeds"
 
 
 def _range(values: Array) -> str:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.variables import or_none
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -70,9 +72,9 @@ def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
 def _cell(results: xr.Dataset) -> dict[str, Any]:
     return {
         "aspect_ratio": float(results["aspect_ratio"]),
-        "domain_size": _or_none(results["domain_size"]),
+        "domain_size": or_none(results["domain_size"]),
         "shape_factor": float(results["shape_factor"]),
-        "stall_angle": _or_none(results["stall_angle"]),
+        "stall_angle": or_none(results["stall_angle"]),
         "tip_pressure": float(results["tip_pressure"]),
         "error_estimate": {
             "shape_factor": float(results["shape_factor_error"]),
@@ -80,12 +82,6 @@ def _cell(results: xr.Dataset) -> dict[str, Any]:
         },
         "unknowns": int(results["cell_unknowns"]),
     }
-
-
-def _or_none(value: xr.DataArray) -> float | None:
-    """Return a number, None for the NaN of what does not exist."""
-    number = float(value)
-    return None if math.isnan(number) else number
 
 
 def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:

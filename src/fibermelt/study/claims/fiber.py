@@ -35,12 +35,8 @@ def _sweep(results: xr.Dataset, sweep: str, name: str, model: str = CELL) -> tup
         raise NotStoredError(msg)
     of = results[name]
     if "orbit_model" in of.dims:
-        of = of.isel(orbit_model=_place(results, model))
+        of = of.sel(orbit_model=model)
     return results[f"case_{sweep}"].to_numpy()[rows], of.to_numpy()[rows]
-
-
-def _place(results: xr.Dataset, model: str) -> int:
-    return [str(name) for name in results["orbit_model"].to_numpy()].index(model)
 
 
 def _base(results: xr.Dataset, name: str, model: str = CELL) -> float:
@@ -48,7 +44,7 @@ def _base(results: xr.Dataset, name: str, model: str = CELL) -> float:
     import numpy as np  # noqa: PLC0415  lazy, as in the stages
 
     row = int(np.flatnonzero(results["case_sweep"].to_numpy() == "base")[0])
-    return float(results[name][row, _place(results, model)])
+    return float(results[name][row].sel(orbit_model=model))
 
 
 def _printed(results: xr.Dataset, sweeps: tuple[str, ...], printed: str, model: str) -> Array:
@@ -153,7 +149,7 @@ def circle_variation(results: xr.Dataset) -> float:
     if not len(circles):
         msg = "no fiber is a circle: sensitivity.aspect_ratios has no 1"
         raise NotStoredError(msg)
-    return _range(results["turn_highest"].to_numpy()[circles[0], _place(results, CELL)])
+    return _range(results["turn_highest"][circles[0]].sel(orbit_model=CELL).to_numpy())
 
 
 def _range(values: Array) -> float:
@@ -173,8 +169,7 @@ def _least_growth(of: Array, values: Array) -> float:
 
 
 def _convention(results: xr.Dataset, name: str, convention: str) -> float:
-    names = [str(one) for one in results["convention"].to_numpy()]
-    return float(results[name][names.index(convention)])
+    return float(results[name].sel(convention=convention))
 
 
 @suspension("interaction_coefficient")

@@ -30,11 +30,9 @@ def _rise(results: xr.Dataset, name: str, selection: str, basis: str = "") -> fl
     import numpy as np  # noqa: PLC0415  lazy, as in the stages
     from scipy.stats import spearmanr  # noqa: PLC0415
 
-    place = [str(one) for one in results["void_selection"].to_numpy()].index(selection)
-    layers = results[name].isel(void_selection=place)
+    layers = results[name].sel(void_selection=selection)
     if basis:
-        label = [str(one) for one in results["void_basis"].to_numpy()].index(basis)
-        layers = layers.isel(void_basis=label)
+        layers = layers.sel(void_basis=basis)
     pressure, height = layers.to_numpy(), results["void_layer"].to_numpy()
     there = ~np.isnan(pressure)
     if np.count_nonzero(there) < FEWEST_LAYERS or not np.ptp(pressure[there]):

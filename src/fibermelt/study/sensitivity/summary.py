@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
+
+from fibermelt.study.variables import or_none
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +68,7 @@ def _case(results: xr.Dataset, k: int) -> dict[str, Any]:
         "viscosity": float(results["case_viscosity"][k]),
     }
     for m, model in enumerate(results["orbit_model"].to_numpy()):
-        case[str(model)] = {key: _or_none(results[name][k, m]) for key, name in names.items()}
+        case[str(model)] = {key: or_none(results[name][k, m]) for key, name in names.items()}
     return case
 
 
@@ -94,8 +95,8 @@ def period_rows(results: xr.Dataset) -> list[dict[str, Any]]:
         if str(sweep) not in TABLE_1:
             continue
         jeffery = float(results["orbit_period"][k, unbounded])
-        ours = _or_none(results["orbit_period"][k, confined])
-        printed = _or_none(results["printed_period"][k])
+        ours = or_none(results["orbit_period"][k, confined])
+        printed = or_none(results["printed_period"][k])
         rows.append(
             {
                 "sweep": str(sweep),
@@ -103,7 +104,7 @@ def period_rows(results: xr.Dataset) -> list[dict[str, Any]]:
                 "shear_rate": float(results["case_shear_rate"][k]),
                 "jeffery": jeffery,
                 "ours": ours,
-                "paper_jeffery": _or_none(results["printed_period_jeffery"][k]),
+                "paper_jeffery": or_none(results["printed_period_jeffery"][k]),
                 "paper": printed,
                 "ours_above_jeffery": None if ours is None else ours / jeffery - 1.0,
                 "paper_above_jeffery": None if printed is None else printed / jeffery - 1.0,
@@ -240,9 +241,3 @@ def dimensions_in_words(summary: Mapping[str, Any]) -> list[str]:
 
 def _seconds(period: float | None) -> str:
     return "none" if period is None else f"{period:.2f}"
-
-
-def _or_none(value: xr.DataArray) -> float | None:
-    """Return a number, None for the NaN of what does not exist."""
-    number = float(value)
-    return None if math.isnan(number) else number

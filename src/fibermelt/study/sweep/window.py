@@ -80,7 +80,8 @@ def drying_advice(collected: xr.Dataset) -> str:
             f"{100 * median[easiest]:.2g} % at {speeds[easiest[0]]:.3g} mm/s and a gap of "
             f"{gaps[easiest[1]]:.3g} mm."
         )
-    lost = ~np.any(worst > 0.0, axis=1) & np.any(~np.isnan(worst), axis=1)
+    good = np.any(worst > 0.0, axis=1)
+    lost = ~good & np.any(~np.isnan(worst), axis=1) & (speeds > speeds[good].max())
     hopeless = sorted(float(speed) for speed in speeds[lost])
     beyond = f"; from {hopeless[0]:.3g} mm/s on, drying alone does not do" if hopeless else ""
     return (

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.variables import or_none
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.wrapping import unbroken
 
@@ -83,91 +84,71 @@ def _lines(text: xr.DataArray) -> list[str]:
     return [line for line in str(text.item()).split("\n") if line]
 
 
-def _or_none(value: Any) -> float | None:
-    """Return a number, None for the NaN of what does not exist."""
-    number = float(value)
-    return None if math.isnan(number) else number
-
-
 def _totals(results: xr.Dataset, selection: str) -> dict[str, dict[str, float | None]]:
     """Return the numbers of the bead in all by basis."""
-    here = results.isel(void_selection=_place(results, "void_selection", selection))
+    here = results.sel(void_selection=selection)
     vapor = float(results["void_vapor_pressure"])
     found = {}
     for k, label in enumerate(results["void_basis"].to_numpy()):
         lowest = float(here["void_bead_lowest_pressure"][k])
         found[str(label)] = {
-            "lowest_pressure": _or_none(lowest),
-            "margin": _or_none(lowest - vapor),
-            "critical_moisture": _or_none(here["void_bead_moisture"][k]),
-            "mean_critical_moisture": _or_none(here["void_bead_mean_moisture"][k]),
-            "share_below": _or_none(here["void_bead_share_below"][k]),
+            "lowest_pressure": or_none(lowest),
+            "margin": or_none(lowest - vapor),
+            "critical_moisture": or_none(here["void_bead_moisture"][k]),
+            "mean_critical_moisture": or_none(here["void_bead_mean_moisture"][k]),
+            "share_below": or_none(here["void_bead_share_below"][k]),
         }
     return found
 
 
-def _place(results: xr.Dataset, dimension: str, label: str) -> int:
-    return [str(one) for one in results[dimension].to_numpy()].index(label)
-
-
 def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
-    told = labels.index(BASIS)
+    told = results.sel(void_basis=BASIS)
     arrays = {
-        name: results[f"void_{name}"].transpose("streamline", "void_basis").to_numpy()
-        for name in (*_ON_LINE, "lowest_x", "lowest_y", "moisture_limit")
+        name: told[f"void_{name}"].to_numpy()
+        for name in (*_ON_LINE, "height", "lowest_x", "lowest_y", "moisture_limit")
     }
-    height = results["void_height"].to_numpy()
+    lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
             "near_singularity": bool(results["near_singularity"][k]),
-            "height": float(height[k]),
-            **{name: _or_none(arrays[name][k, told]) for name in _ON_LINE},
-            "critical_moisture": _or_none(arrays["moisture_limit"][k, told]),
-            "x": float(arrays["lowest_x"][k, told]),
-            "y": float(arrays["lowest_y"][k, told]),
-            "lowest_by_basis": {
-                label: float(arrays["lowest_pressure"][k, j]) for j, label in enumerate(labels)
-            },
+            "height": float(arrays["height"][k]),
+            **{name: or_none(arrays[name][k]) for name in _ON_LINE},
+            "critical_moisture": or_none(arrays["moisture_limit"][k]),
+            "x": float(arrays["lowest_x"][k]),
+            "y": float(arrays["lowest_y"][k]),
+            "lowest_by_basis": dict(zip(labels, map(float, lowest[k]), strict=True)),
         }
         for k in range(results.sizes["streamline"])
     ]
 
 
 def _profile(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
-    told, vapor = labels.index(BASIS), float(results["void_vapor_pressure"])
-    names = ("lowest_pressure", "mean_pressure", "time_below", "moisture")
-    arrays = {
-        name: results[f"void_layer_{name}"]
-        .transpose("void_selection", "void_layer", "void_basis")
-        .to_numpy()
-        for name in names
-    }
-    fibers = results["void_layer_fiber_pressure"].transpose("void_selection", "void_layer")
-    with_them = _place(results, "void_selection", "all")
-    without = _place(results, "void_selection", "regular")
+    without, with_them = (
+        _layers(results.sel(void_selection=selection), labels) for selection in ("regular", "all")
+    )
+    heights = map(float, results["void_layer"].to_numpy())
+    return [
+        {"height": height, **layer, "including_singular": other}
+        for height, layer, other in zip(heights, without, with_them, strict=True)
+    ]
 
-    def layer(selection: int, k: int) -> dict[str, Any]:
-        at = (selection, k, told)
-        lowest = float(arrays["lowest_pressure"][at])
-        return {
-            "lowest_pressure": _or_none(lowest),
-            "margin": _or_none(lowest - vapor),
-            "mean_pressure": _or_none(arrays["mean_pressure"][at]),
-            "time_below": _or_none(arrays["time_below"][at]),
-            "critical_moisture": _or_none(arrays["moisture"][at]),
-            "fiber_pressure": _or_none(fibers[selection, k]),
-            "mean_by_basis": {
-                label: _or_none(arrays["mean_pressure"][selection, k, j])
-                for j, label in enumerate(labels)
-            },
-        }
 
+def _layers(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
+    """Return what is told of each layer, of one selection of streamlines."""
+    told, vapor = results.sel(void_basis=BASIS), float(results["void_vapor_pressure"])
+    names = ("lowest_pressure", "mean_pressure", "time_below", "moisture", "fiber_pressure")
+    arrays = {name: told[f"void_layer_{name}"].to_numpy() for name in names}
+    mean = results["void_layer_mean_pressure"].transpose("void_layer", "void_basis").to_numpy()
     return [
         {
-            "height": float(results["void_layer"][k]),
-            **layer(without, k),
-            "including_singular": layer(with_them, k),
+            "lowest_pressure": or_none(arrays["lowest_pressure"][k]),
+            "margin": or_none(arrays["lowest_pressure"][k] - vapor),
+            "mean_pressure": or_none(arrays["mean_pressure"][k]),
+            "time_below": or_none(arrays["time_below"][k]),
+            "critical_moisture": or_none(arrays["moisture"][k]),
+            "fiber_pressure": or_none(arrays["fiber_pressure"][k]),
+            "mean_by_basis": dict(zip(labels, map(or_none, mean[k]), strict=True)),
         }
         for k in range(results.sizes["void_layer"])
     ]
