@@ -3,6 +3,7 @@
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from swept_cases import (
     COMPUTED,
@@ -18,6 +19,7 @@ from swept_cases import (
 
 from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
+from fibermelt.report.sweep.words import varied_told
 from fibermelt.study.claims.judge import claims
 from fibermelt.study.sweep.claims import swept_claims
 from fibermelt.study.sweep.descriptions import distribution_told
@@ -262,3 +264,39 @@ def test_samples_bring_the_sources_of_what_is_made_of_them(tmp_path, table, keys
     own = ("hyndman1996", *(key for uses in INDEX_USES.values() for key, _ in uses), "fu1996")
     assert [key for key in listed if key in own] == keys
     assert listed[0] == "awenlimobor2024"
+
+
+def with_melt(collected, names, kelvin):
+    """Return a sweep whose cases have voids in melts of some names and temperatures [K]."""
+    over = collected["status"]
+    keys = [name.lower() for name in names]
+    return collected.assign(
+        void_material_name=over.copy(data=np.array(names, dtype=object).reshape(over.shape)),
+        void_material=over.copy(data=np.array(keys, dtype=object).reshape(over.shape)),
+        void_temperature=over.copy(data=np.reshape(kelvin, over.shape)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "kelvin", "told"),
+    [
+        (["ABS"] * 6, [503.15] * 6, "ABS (voids.material = abs) at 230°C"),
+        (["ABS"] * 5 + [""], [503.15] * 5 + [np.nan], "ABS (voids.material = abs) at 230°C"),
+        (
+            ["PLA", "ABS"] * 3,
+            [483.15, 503.15] * 3,
+            "PLA (voids.material = pla) or ABS (voids.material = abs) at 210 to 230°C",
+        ),
+    ],
+)
+def test_the_melt_of_the_voids_is_told(tmp_path, names, kelvin, told):
+    collected = with_melt(made_up(tmp_path, GRID, NUMBERS), names, kelvin)
+    text = re.sub("<[^>]*>", "", varied_told(collected, sweep_table(collected)))
+    assert f"Voids are those of {told}." in text.replace("\N{NO-BREAK SPACE}", "")
+
+
+def test_without_voids_no_melt_is_told(tmp_path):
+    collected = made_up(tmp_path, GRID, NUMBERS)
+    assert "Voids are" not in varied_told(collected, sweep_table(collected))
+    nothing = with_melt(collected, [""] * 6, [np.nan] * 6)
+    assert "Voids are" not in varied_told(nothing, sweep_table(nothing))

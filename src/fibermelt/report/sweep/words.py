@@ -15,6 +15,7 @@ from fibermelt.study.sweep.descriptions import distribution_told
 from fibermelt.study.sweep.design import SETTINGS
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles
 from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
+from fibermelt.units import ZERO_CELSIUS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,7 +73,28 @@ def varied_told(collected: xr.Dataset, found: SweepTable) -> Markup:
     base = Markup(
         "<details><summary>The study that it varies from</summary>\n{}</details>\n"
     ).format(account(collected, {}))
-    return head + table("What varied", columns, rows) + base
+    return head + table("What varied", columns, rows) + _melt_told(collected) + base
+
+
+def _melt_told(collected: xr.Dataset) -> Markup:
+    """Return of which melt the voids are, as no critical moisture says it; nothing without them."""
+    names = ("void_material_name", "void_material", "void_temperature")
+    if not set(names) <= set(map(str, collected.data_vars)):
+        return Markup()
+    titles, keys, kelvin = (collected[name].to_numpy().ravel() for name in names)
+    # A case without an answer has neither a name nor a temperature.
+    there = np.flatnonzero(np.isfinite(kelvin))
+    if not there.size:
+        return Markup()
+    melts = dict.fromkeys((str(titles[case]), str(keys[case])) for case in there)
+    told = [
+        Markup('{} (<code class="key">voids.material</code> = {})').format(*melt) for melt in melts
+    ]
+    celsius = kelvin[there] - ZERO_CELSIUS
+    ends = dict.fromkeys(f"{value:.{DIGITS}g}" for value in (celsius.min(), celsius.max()))
+    return Markup("<p>Voids are those of {} at {}\N{NO-BREAK SPACE}°C.</p>\n").format(
+        Markup(" or ").join(told), " to ".join(ends)
+    )
 
 
 def _drawn(asked: dict[str, Any]) -> str:
