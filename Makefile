@@ -7,12 +7,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-sensitivity test browser lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test fuzz browser lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
 	@echo "make paper-sensitivity  vary what the paper does not print, into results/nozzle"
 	@echo "make test       run all tests"
+	@echo "make fuzz       run the tests that draw examples, with FUZZ=20 times as many of them"
 	@echo "make browser    install the browser that the report is tested in (Debian, as root)"
 	@echo "make lint       check style"
 	@echo "make types      check types"
@@ -46,6 +47,12 @@ paper-sensitivity: $(VENV)/.installed
 # One process for each core, one solver thread in each: a file's tests stay together.
 test: $(VENV)/.installed-test
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
+# Another draw each time: what fails is told with the seed that repeats it (--hypothesis-seed).
+FUZZ ?= 20
+fuzz: $(VENV)/.installed-test
+	FUZZ=$(FUZZ) OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m hypothesis \
+		--numprocesses auto --dist worksteal
 
 # The page is tested in Debian's Chromium; without it those tests are skipped, and say so.
 browser:
