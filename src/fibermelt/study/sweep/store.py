@@ -92,7 +92,8 @@ def claimed(path: Path, *, wait: bool) -> Iterator[bool]:
         return
     while True:
         # Held to the end of the block below: no context manager spans the retries.
-        stream = path.open("ab")
+        with storage_errors(path):
+            stream = path.open("ab")
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except BlockingIOError:
@@ -266,9 +267,10 @@ class CaseStore:
 
     def forget_failures(self, *, lasting: bool) -> None:
         """Remove the failures that may have been an accident, and with ``lasting`` all."""
-        known = {self._failure_path(f.stage, f.key) for f in self.failures().values() if f.lasting}
+        # Each is read before it goes: another client may write one at any time.
         for path in self.folder.glob("failed-*.json"):
-            if lasting or path not in known:
+            known = None if lasting else _failure(path)
+            if known is None or not known.lasting:
                 with storage_errors(path):
                     path.unlink(missing_ok=True)
 
