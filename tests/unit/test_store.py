@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import PATIENCE
 
 from fibermelt.errors import StoreError
 from fibermelt.study.files import (
@@ -124,7 +125,7 @@ def test_a_lock_is_held_by_one_at_a_time(tmp_path):
         thread.start()
         thread.join(timeout=0.05)
         seen.append("first")
-    thread.join(timeout=10)
+    thread.join(timeout=PATIENCE)
     assert seen == ["first", "other"]
 
 
