@@ -7,12 +7,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-sensitivity test docs browser lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test fuzz docs browser lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
 	@echo "make paper-sensitivity  vary what the paper does not print, into results/nozzle"
 	@echo "make test       run all tests"
+	@echo "make fuzz       run the tests that draw examples, with FUZZ=20 times as many of them"
 	@echo "make docs       build the documentation into docs/_build/html, running the examples"
 	@echo "make browser    install the browser that the report is tested in (Debian, as root)"
 	@echo "make lint       check style"
@@ -56,6 +57,12 @@ test: $(VENV)/.installed-test
 docs: $(VENV)/.installed-docs
 	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -n -q docs docs/_build/html
 	@echo "Look at docs/_build/html/index.html."
+
+# Another draw each time: what fails is told with the seed that repeats it (--hypothesis-seed).
+FUZZ ?= 20
+fuzz: $(VENV)/.installed-test
+	FUZZ=$(FUZZ) OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m hypothesis \
+		--numprocesses auto --dist worksteal
 
 # The page is tested in Debian's Chromium; without it those tests are skipped, and say so.
 browser:

@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from patience import PATIENCE
+
 COARSE = Path(__file__).parent / "coarse.toml"
 ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1"}
-PATIENCE = 120.0
-"""Time [s] that a command may take on a busy machine."""
 
 
 def fibermelt(*arguments, folder):

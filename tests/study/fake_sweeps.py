@@ -45,7 +45,16 @@ def _note(stage: str, value: object) -> None:
         descriptor = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         os.write(descriptor, line)
         os.close(descriptor)
+        _wait_at_the_gate(Path(log))
     time.sleep(float(os.environ.get(f"FAKE_{stage.upper()}_TAKES", "0")))
+
+
+def _wait_at_the_gate(log: Path) -> None:
+    """Wait for a file, if there is one to wait for, once so many stages were begun."""
+    gate, patience = os.environ.get("FAKE_GATE"), time.monotonic() + 600
+    if gate and len(log.read_text().splitlines()) > int(os.environ["FAKE_GATE_AFTER"]):
+        while not Path(gate).exists() and time.monotonic() < patience:
+            time.sleep(0.01)
 
 
 def _labelled(**arrays: object) -> xr.Dataset:

@@ -9,9 +9,7 @@ from pathlib import Path
 
 import fake_sweeps
 import pytest
-
-PATIENCE = 60.0
-"""Time [s] for processes to come up, or to go, on a busy machine."""
+from patience import PATIENCE
 
 PIPES = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
 
@@ -43,6 +41,12 @@ def wait_for(condition, what, running=None):
         time.sleep(0.01)
 
 
+def gate(folder, after):
+    """Return a file, and the environment in which stages after so many wait until it is there."""
+    path = folder / "gate"
+    return path, {"FAKE_GATE": str(path), "FAKE_GATE_AFTER": str(after)}
+
+
 def lines(log):
     return log.read_text().splitlines() if log.exists() else []
 
@@ -55,5 +59,5 @@ def workers_of(log):
 def is_alive(pid):
     try:
         return "Z" not in Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):  # the second if it goes while it is read
         return False

@@ -9,9 +9,7 @@ from pathlib import Path
 
 import fakes
 import pytest
-
-PATIENCE = 120.0
-"""Time [s] for a process to come up on a busy machine."""
+from patience import PATIENCE
 
 
 def start_and_wait_in_motion(folder, marker):

@@ -13,7 +13,8 @@ import fakes
 import numpy as np
 import pytest
 import xarray as xr
-from coarse_runs import COARSE, ONE_THREAD, PATIENCE, fibermelt
+from coarse_runs import COARSE, ONE_THREAD, fibermelt
+from patience import PATIENCE
 
 
 @pytest.fixture(scope="module")

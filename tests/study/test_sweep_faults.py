@@ -1,8 +1,8 @@
 """Sweeps whose workers, client or scheduler are killed, whose disk fills, whose files are torn.
 
-What is killed is a real process, with SIGKILL, at a random moment whose seed is printed. Whatever
-happened, the sweep that goes on ends where an undisturbed one does, and computes nothing twice
-that was finished.
+What is killed is a real process, with SIGKILL, at a random moment whose seed is printed; no sweep
+ends before that, however slow who kills is. Whatever happened, the sweep that goes on ends where an
+undisturbed one does, and computes nothing twice that was finished.
 """
 
 import json
@@ -18,7 +18,8 @@ from pathlib import Path
 
 import fake_sweeps
 import pytest
-from sweeping import PATIENCE, is_alive, lines, process, wait_for, workers_of
+from patience import PATIENCE
+from sweeping import gate, is_alive, lines, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
@@ -31,8 +32,8 @@ from fibermelt.study.sweep.store import CaseStore
 TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
 """Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""
 
-WINDOW = 1.2
-"""Time [s] after the first stage within which the blow falls."""
+BLOWS = 30
+"""Stages, of the 44 at least that are left after a first blow, during which the next one falls."""
 
 KILLS = 3
 
@@ -57,9 +58,15 @@ def dice(request):
     return random.Random(seed)
 
 
-def client(study, out, log, *options):
+def client(study, out, log, *options, **environment):
     arguments = [fake_sweeps.__file__, study, out, *options]
-    return process(arguments, FAKE_LOG=str(log), **TAKES)
+    return process(arguments, FAKE_LOG=str(log), **TAKES, **environment)
+
+
+def wait_for_blow(log, stages, dice, running):
+    """Wait until so many stages were begun, and somewhere into the next one."""
+    wait_for(lambda: len(lines(log)) >= stages, f"{stages} stages", running)
+    time.sleep(dice.uniform(0, 2 * float(TAKES["FAKE_MOTION_TAKES"])))
 
 
 def computed(log):
@@ -89,13 +96,15 @@ def resume(study, out, log, monkeypatch):
 def test_workers_are_killed(tmp_path, study, undisturbed, dice):
     """The rest goes on: the sweep ends as if nothing had been."""
     log = tmp_path / "log"
-    with client(study, tmp_path / "out", log, "--workers", 2) as running:
-        for _ in range(KILLS):
-            count = len(lines(log))
-            wait_for(lambda count=count: len(lines(log)) > count, "stage", running)
-            time.sleep(dice.uniform(0, WINDOW / KILLS))
+    opened, held = gate(tmp_path, after=BLOWS)
+    # As on a machine that is so busy that no other worker is there in the time of dask's.
+    held["DASK_DISTRIBUTED__DEPLOY__LOST_WORKER_TIMEOUT"] = "0 s"
+    with client(study, tmp_path / "out", log, "--workers", 2, **held) as running:
+        for stages in sorted(dice.sample(range(1, BLOWS + 1), KILLS)):
+            wait_for_blow(log, stages, dice, running)
             if alive := [pid for pid in workers_of(log) if is_alive(pid)]:
                 os.kill(dice.choice(alive), signal.SIGKILL)
+        opened.touch()
         told, complaints = running.communicate(timeout=PATIENCE)
         assert running.returncode == 0, complaints
     summary = json.loads(told)
@@ -108,9 +117,9 @@ def test_the_client_is_killed(tmp_path, study, undisturbed, dice, monkeypatch):
     out = tmp_path / "out"
     for kill in range(2):
         log = tmp_path / f"log{kill}"
-        with client(study, out, log, "--workers", 2) as running:
-            wait_for(lambda log=log: lines(log), "stage", running)
-            time.sleep(dice.uniform(0, WINDOW / 2))
+        _, held = gate(tmp_path, after=BLOWS)
+        with client(study, out, log, "--workers", 2, **held) as running:
+            wait_for_blow(log, dice.randint(1, BLOWS), dice, running)
             running.send_signal(signal.SIGKILL)
             running.wait(PATIENCE)
         workers = workers_of(log)
@@ -121,7 +130,7 @@ def test_the_client_is_killed(tmp_path, study, undisturbed, dice, monkeypatch):
 
 
 @contextmanager
-def cluster(folder, log):
+def cluster(folder, log, environment):
     """Yield a scheduler process and its address; two workers go when it goes."""
     file = folder / "scheduler.json"
     common = ["--no-dashboard", "--host", "127.0.0.1"]
@@ -132,7 +141,7 @@ def cluster(folder, log):
         with process(
             ["-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--nworkers", 2,
              "--nthreads", 1, "--local-directory", folder / "scratch", *common],
-            FAKE_LOG=str(log), **TAKES,
+            FAKE_LOG=str(log), **TAKES, **environment,
         ):  # fmt: skip
             yield scheduler, file
 
@@ -141,10 +150,10 @@ def test_the_scheduler_is_killed(tmp_path, study, undisturbed, dice, monkeypatch
     """The client says so and ends; what was finished is kept."""
     out, log = tmp_path / "out", tmp_path / "log0"
     (tmp_path / "cluster").mkdir()
-    with cluster(tmp_path / "cluster", log) as (scheduler, file):
+    _, held = gate(tmp_path, after=BLOWS)
+    with cluster(tmp_path / "cluster", log, held) as (scheduler, file):
         with client(study, out, log, "--scheduler", file) as running:
-            wait_for(lambda: lines(log), "stage", running)
-            time.sleep(dice.uniform(0, WINDOW))
+            wait_for_blow(log, dice.randint(1, BLOWS), dice, running)
             scheduler.send_signal(signal.SIGKILL)
             _, complaints = running.communicate(timeout=PATIENCE)
         assert running.returncode == 1
@@ -157,17 +166,21 @@ def test_the_scheduler_is_killed(tmp_path, study, undisturbed, dice, monkeypatch
 def test_two_clients_share_a_folder_and_the_work(tmp_path, study, undisturbed):
     """Each with a worker of its own: both end, and between them nothing is computed twice."""
     out, log = tmp_path / "out", tmp_path / "log"
+    opened, held = gate(tmp_path, after=0)
     with (
-        client(study, out, log, "--workers", 1) as one,
-        client(study, out, log, "--workers", 1) as other,
+        client(study, out, log, "--workers", 1, **held) as one,
+        client(study, out, log, "--workers", 1, **held) as other,
     ):
+        # The first waits in its first stage, so that it cannot do it all.
+        wait_for(lambda: len(workers_of(log)) == 2, "two workers", one)
+        opened.touch()
         for running in (one, other):
             told, complaints = running.communicate(timeout=PATIENCE)
             assert running.returncode == 0, complaints
             assert json.loads(told)["done"] == 72
     everything = computed(log)
     assert len(everything) == len(set(everything)) == 72 + 4
-    assert len(workers_of(log)) == 2, "one of them did it all"
+    assert len(workers_of(log)) == 2
     # The cases of both, whoever of them ended last.
     assert read_progress(CaseStore(out)).cases == 72
     fake_sweeps.assert_same(out, undisturbed)

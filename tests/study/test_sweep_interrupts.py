@@ -14,7 +14,8 @@ from contextlib import suppress
 import fake_sweeps
 import fakes
 import pytest
-from sweeping import PATIENCE, PIPES, is_alive, process, wait_for, workers_of
+from patience import PATIENCE
+from sweeping import PIPES, is_alive, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
@@ -28,14 +29,17 @@ main()
 """The command line with the chain that costs what it is told to."""
 
 TAKES = {"FAKE_FLOW_TAKES": "0.05", "FAKE_MOTION_TAKES": "0.5"}
-"""Cost [s] of the stages: 72 cases take 18 s on two workers, longer than any test here needs."""
+"""Cost [s] of the stages: a worker is never far from the end of what it is at."""
+
+ENDLESS = fake_sweeps.SWEPT.replace("count = 24", "count = 1000")
+"""Its 3000 cases with an answer take 750 s on two workers: it is ended before."""
 
 SHELL_INTERRUPTED, SHELL_ENDED, SHELL_HUNG_UP = 130, 143, 129
 
 
 def sweeping(tmp_path, **options):
     """Run ``fibermelt sweep`` on two workers in a process group of its own, as a shell does."""
-    study = fake_sweeps.study_file(tmp_path)
+    study = fake_sweeps.study_file(tmp_path, ENDLESS)
     arguments = ["-c", COMMAND, "sweep", study, "--out", tmp_path / "out", "--workers", "2"]
     options = {"start_new_session": True, **options}
     return process(arguments, options, FAKE_LOG=str(tmp_path / "log"), **TAKES)

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from examples_drawn import examples
 from fiberoripy.closures import compute_closure
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -52,7 +53,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 @EVERY
 @given(seed=SEEDS)
-@settings(max_examples=20)
+@examples(20)
 def test_promises_and_frame_indifference(name, seed):
     law, a, Q = CLOSURES[name], ensemble(seed), rotation(seed)
     A = law.fourth(a)
@@ -67,7 +68,7 @@ def test_promises_and_frame_indifference(name, seed):
 
 @EVERY
 @given(seed=SEEDS)
-@settings(max_examples=20)
+@examples(20)
 def test_contractions_are_those_of_the_tensor(name, seed):
     law, a = CLOSURES[name], ensemble(seed)
     # The poles of a fit make its derivative large where two eigenvalues nearly coincide.

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
@@ -24,7 +25,7 @@ from fibermelt.fiber import (
 from fibermelt.fiber.expansion import exponential3
 from fibermelt.history import FlowHistory, simple_shear
 
-FEW = settings(max_examples=20)
+FEW = examples(20)
 ANGLE = 1e-8  # what `follow_directors` promises
 ROUNDING = 1e-11  # of a few hundred maps
 XI = jeffery_factor(6.0)

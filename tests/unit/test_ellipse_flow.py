@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, HistoryError
 from fibermelt.fiber import Ellipse, Ellipsoid, ellipse_field, ellipse_spin, ellipsoid_field
 
-FEW = settings(max_examples=60)
+FEW = examples(60)
 EXACT = 1e-11  # rounding, times the aspect ratio
 POINTS = np.array([[1.1, 0.3], [-0.4, 2.0], [3.0, -5.0], [-40.0, 1.0]])
 

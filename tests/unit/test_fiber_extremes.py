@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -24,7 +25,7 @@ from fibermelt.fiber import (
 )
 from fibermelt.history import FlowHistory, simple_shear
 
-FEW = settings(max_examples=25)  # each builds a table or a chain of arrays
+FEW = examples(25)  # each builds a table or a chain of arrays
 RESPONSE = unbounded_ellipse(Ellipse(42e-6, 6.0))
 MU = 817.0
 TABLE = 1e-7  # ten times the support table's tolerance, over the largest pressure
@@ -92,7 +93,7 @@ def test_a_circle_does_not_notice_its_turning() -> None:
     assert pressure.highest == pytest.approx(2.0 * MU, rel=1e-12)
 
 
-@settings(FEW)
+@FEW
 @given(st.floats(1e-3, 1e6))
 def test_pressures_are_proportional_to_the_viscosity(mu: float) -> None:
     history = wandering(2, 20)

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -16,7 +17,7 @@ from fibermelt.fiber import (
     unbounded_ellipse,
 )
 
-FEW = settings(max_examples=10)  # each builds a table or a chain of arrays
+FEW = examples(10)  # each builds a table or a chain of arrays
 ROUNDING = 1e-12  # a few hundred operations on numbers of the size of r_e
 
 ratios = st.floats(1.0, 30.0)
@@ -69,7 +70,7 @@ def test_unbounded_extreme_over_an_orbit(ratio: float) -> None:
     assert response.stall_angle is None
 
 
-@settings(FEW)
+@FEW
 @given(ratios, angles)
 def test_support_function_is_the_closed_form(ratio: float, phase: float) -> None:
     support = unbounded_ellipse(Ellipse(1.0, ratio)).support

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.fiber import (
@@ -27,7 +28,7 @@ from fibermelt.fiber.roots import bracketed_roots
 from fibermelt.fiber.support import SupportFunction
 from fibermelt.history import FlowHistory
 
-FEW = settings(deadline=None, max_examples=15)  # a busy machine is no failure; each follows fibers
+FEW = examples(15)  # each follows fibers
 MU = 817.0
 LEVELS = (0.05, 0.5, 0.95)
 COUNT = 20_000
@@ -174,7 +175,7 @@ def test_samples_converge_to_the_exact_quantiles() -> None:
     assert np.all(np.array(errors[2]) < 0.3 * np.array(errors[1]))
 
 
-@settings(FEW)
+@FEW
 @given(st.integers(0, 10_000), st.floats(-np.pi, np.pi))
 def test_turned_axes_change_nothing(seed: int, angle: float) -> None:
     one, response = history(seed), RESPONSES["ellipse"]
@@ -209,7 +210,7 @@ def test_paths_do_not_notice_each_other(monkeypatch: pytest.MonkeyPatch) -> None
     assert alone.extremes == pytest.approx(whole.extremes[3], abs=room)
 
 
-@settings(FEW)
+@FEW
 @given(st.integers(0, 10_000), st.sampled_from(list(RESPONSES)))
 def test_points_left_out_change_nothing(seed: int, name: str) -> None:
     """All points looked at, from no bound below, without the first search."""

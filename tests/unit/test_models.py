@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -29,7 +30,7 @@ from fibermelt.fiber.spatial import follow_spatial, half_sphere, spatial_pressur
 from fibermelt.fiber.surroundings import surroundings
 from fibermelt.history import FlowHistory
 
-FEW = settings(max_examples=20)
+FEW = examples(20)
 ROUNDING = 1e-12
 INTERPOLATED = 1e-10  # a trigonometric interpolant's roundings, over the largest pressure
 TABLE = 1e-8  # what the support function's table promises, over the largest pressure

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -18,7 +19,7 @@ from fibermelt.fiber import (
 from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.history import simple_shear
 
-FEW = settings(max_examples=20)
+FEW = examples(20)
 ROUNDING = 1e-12
 ANGLE = 1e-10  # what `orbit` promises of places and angles
 

@@ -9,7 +9,8 @@ from typing import Any
 import fiberoripy.orientation as reference
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -87,7 +88,7 @@ def sample(seed: int, count: int = 8) -> tuple[Array, Array]:
 
 @every_model
 @every_closure
-@settings(max_examples=5)
+@examples(5)
 @given(seed=seeds)
 def test_the_rate_is_symmetric_traceless_and_objective(
     model: OrientationModel, name: str, seed: int
@@ -124,7 +125,7 @@ def test_without_diffusion_every_model_is_jefferys(model: OrientationModel) -> N
 
 
 @every_model
-@settings(max_examples=10)
+@examples(10)
 @given(seed=seeds)
 def test_models_agree_with_fiberoripy(model: OrientationModel, seed: int) -> None:
     tensors, gradients = sample(seed, 2)

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, HistoryError
@@ -16,7 +17,7 @@ from fibermelt.fiber import (
     unbounded_spheroid,
 )
 
-FEW = settings(max_examples=40)
+FEW = examples(40)
 EXACT = 1e-12
 
 seeds = st.integers(0, 2**31)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import PATIENCE
 
 from fibermelt.errors import StoreError
 from fibermelt.study.files import (
@@ -134,7 +135,7 @@ def test_a_lock_is_held_by_one_at_a_time(tmp_path):
         thread.start()
         thread.join(timeout=0.05)
         seen.append("first")
-    thread.join(timeout=10)
+    thread.join(timeout=PATIENCE)
     assert seen == ["first", "other"]
 
 

@@ -4,14 +4,18 @@ import re
 import socket
 import threading
 from contextlib import contextmanager
+from functools import partial
+from types import SimpleNamespace
 
 import pytest
+from distributed import KilledWorker
+from patience import PATIENCE
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep import schedulers
-from fibermelt.study.sweep.pools import MOST_PER_CORE, cores, open_pool
+from fibermelt.study.sweep.pools import MOST_PER_CORE, Died, _Cluster, cores, open_pool
 
 
 @pytest.mark.parametrize("address", ["foo://x", "tcp://", "tcp://host", "tcp://host:port"])
@@ -66,16 +70,20 @@ def listening(answer):
 
 
 @pytest.mark.parametrize(
-    ("answer", "said"),
+    ("answer", "limit", "said"),
     [
-        (b"", "nothing of dask has answered in 0.2 s"),
-        (b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n", "it sends what dask does not"),
-        (b"SSH-2.0-OpenSSH_9.6\r\n", "it sends what dask does not"),
+        (b"", 0.2, "nothing of dask has answered in 0.2 s"),
+        (
+            b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
+            PATIENCE,
+            "it sends what dask does not",
+        ),
+        (b"SSH-2.0-OpenSSH_9.6\r\n", PATIENCE, "it sends what dask does not"),
     ],
     ids=["silent", "http", "ssh"],
 )
-def test_another_service_is_no_scheduler(tmp_path, monkeypatch, answer, said):
-    monkeypatch.setattr(schedulers, "CONNECT", 0.2)
+def test_another_service_is_no_scheduler(tmp_path, monkeypatch, answer, limit, said):
+    monkeypatch.setattr(schedulers, "CONNECT", limit)
     message = rf"--scheduler \S+: does not answer as a scheduler does \({said}\): start one"
     with (
         listening(answer) as address,
@@ -92,6 +100,46 @@ def test_a_worker_of_dask_is_no_scheduler(tmp_path, monkeypatch):
         open_pool(None, "tcp://127.0.0.1:8786", tmp_path),
     ):
         pass
+
+
+class Failing:
+    """A client of dask whose link is open as yet, and a future that is done: every answer fails."""
+
+    status = "running"
+    scheduler_comm = SimpleNamespace(comm=SimpleNamespace(closed=lambda: False))
+
+    def __init__(self, error):
+        self.error = error
+
+    def nthreads(self):
+        raise self.error
+
+    result = nthreads
+
+    def submit(self, function, task, *, pure):
+        return Failing(self.error)
+
+    def add_done_callback(self, call):
+        self.status = "finished"
+        call(self)
+
+
+@pytest.mark.parametrize("error", schedulers.GONE)
+def test_a_scheduler_that_goes_while_it_is_asked_is_gone(tmp_path, error):
+    """For the number of its workers, or for what a task has found."""
+    pool = _Cluster(Failing(error("Stream is closed")), "tcp://host:8786", tmp_path)
+    pool.submit("a task")
+    for asked in (pool.threads, partial(pool.next, 0.0)):
+        with pytest.raises(FibermeltError, match="scheduler tcp://host:8786 is gone: finished"):
+            asked()
+
+
+def test_workers_that_die_of_a_task_whose_answer_was_lost_are_told_so(tmp_path):
+    """Who had the answer died before it was fetched, and who tried again was killed."""
+    pool = _Cluster(Failing(KilledWorker("a task", None, 3)), "of this machine", tmp_path)
+    pool.submit("a task")
+    task, outcome = pool.next(0.0)
+    assert (task, type(outcome)) == ("a task", Died)
 
 
 @pytest.mark.parametrize("workers", [-1, MOST_PER_CORE * cores() + 1, 10**9])

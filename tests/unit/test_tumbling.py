@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -21,7 +22,7 @@ from fibermelt.fiber import (
 from fibermelt.fiber.tumbling import tumble, turn_times, turned_angle
 from fibermelt.history import simple_shear
 
-FEW = settings(max_examples=20)
+FEW = examples(20)
 
 ROUNDING = 1e-12
 

@@ -93,10 +93,11 @@ def test_a_unit_is_never_evaluated(unit):
 @pytest.mark.parametrize("value", ["3 " + "a" * 50 + "!", "1" * 50_000 + " 2", " " * 50_000])
 def test_nonsense_is_refused_at_once(value):
     """The time to read a text does not explode with its length: a second here is for ever there."""
-    start = time.perf_counter()
+    parse("3 mm", "m")  # reads the table of units, once
+    start = time.process_time()
     with pytest.raises(ConfigError):
         parse(value, "m")
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 @given(

@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn_bead import made_up
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -100,7 +101,7 @@ def test_each_fiber_has_its_own_pressure_and_the_worst_is_that_of_the_fibers():
     assert along == pytest.approx(np.full((2, 5), ATMOSPHERE + 0.5e6 - vapor))
 
 
-@settings(max_examples=20)
+@examples(20)
 @given(pressure=st.floats(-2e6, 2e6), share=st.floats(0.0, 1.0))
 def test_margins_are_linear_in_moisture_and_pressure(pressure, share):
     found = assessed(bead(pressure=pressure), moisture=share * SATURATED)

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
@@ -16,7 +17,7 @@ from fibermelt.voids import (
 )
 from fibermelt.voids.constants import WATER_CRITICAL, WATER_TRIPLE
 
-FEW = settings(max_examples=40)  # each bisects several times
+FEW = examples(40)  # each bisects several times
 ROUNDING = 1e-12  # a few tens of operations
 HOT = 503.15
 CONTENT = 0.005

@@ -6,7 +6,8 @@ The confined cell, the unbounded ellipse and the spheroid in the plane through t
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.fiber import (
@@ -31,7 +32,7 @@ from fibermelt.fiber import (
 from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.history import FlowHistory, simple_shear
 
-FEW = settings(max_examples=15)
+FEW = examples(15)
 FIBER = Ellipse(1.0, 6.0)
 MU = 817.0
 POINTS = 60

@@ -4,7 +4,8 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples_drawn import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
@@ -47,7 +48,7 @@ def test_harmonics_are_orthonormal() -> None:
     assert (Y.T * weight) @ Y == pytest.approx(np.eye(Y.shape[1]), abs=ROUNDING)
 
 
-@settings(max_examples=20)
+@examples(20)
 @given(st.integers(0, 2**16), st.floats(-1.0, 1.5), st.floats(0.0, 2.0))
 def test_second_moment_obeys_folgar_tucker(seed: int, xi: float, D_r: float) -> None:
     L, psi = random_gradient(seed), random_distribution(8, seed)

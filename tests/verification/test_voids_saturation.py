@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 from fibermelt.voids import saturation_pressure
 
@@ -32,11 +33,15 @@ def test_coolprop_can_be_imported_before_and_after(steps):
         [*steps, "assert abs(p / q - 1) < 2.5e-4", "import CoolProp; CoolProp.State"]
     )
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
 
 
 def test_only_the_compiled_module_is_loaded():
     script = OURS + "; import sys; assert 'CoolProp' not in sys.modules"
-    subprocess.run([sys.executable, "-c", script], timeout=60, check=True)
+    subprocess.run([sys.executable, "-c", script], timeout=PATIENCE, check=True)

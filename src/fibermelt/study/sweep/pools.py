@@ -11,14 +11,14 @@ import queue
 import signal
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any, Protocol
 
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.sweep.schedulers import CONNECT, connect, distributed
+from fibermelt.study.sweep.schedulers import CONNECT, GONE, connect, distributed
 from fibermelt.study.sweep.scratch import scratch_folder
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
@@ -47,6 +47,11 @@ def cores() -> int:
     except ImportError:
         return os.cpu_count() or 1
     return int(CPU_COUNT)
+
+
+COME_BACK = "1 d"
+"""Time after which dask does without a worker that was killed and is not back, for good: its own
+15 s are too few on a busy machine, and the sweep would be left without any."""
 
 
 class Died:
@@ -104,7 +109,7 @@ class _Cluster:
         now = time.monotonic()
         if now - self._counted > COUNT_AGAIN:
             self._check()
-            self._threads = sum(self._client.nthreads().values())
+            self._threads = sum(self._asked(self._client.nthreads).values())
             self._counted = now
         return self._threads
 
@@ -123,15 +128,19 @@ class _Cluster:
             self._check()
             return None
         self._futures.discard(future)
-        if future.status == "finished":
-            outcomes: list[Outcome] = future.result()
-            return task, outcomes
-        error = future.exception() if future.status == "error" else None
-        if isinstance(error, distributed().KilledWorker):
+        try:
+            if future.status == "error":
+                raise future.exception()
+            return task, self._asked(future.result)
+        except distributed().KilledWorker:
             return task, Died()
-        if error is not None:
-            raise error
-        raise self._lost()
+
+    def _asked(self, question: Callable[[], Any]) -> Any:
+        """Return what the scheduler answers, or raise that it is gone: it may go meanwhile."""
+        try:
+            return question()
+        except GONE as error:
+            raise self._lost() from error
 
     def _check(self) -> None:
         """Raise if the scheduler is gone."""
@@ -225,6 +234,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
         settings = {
             "distributed.scheduler.allowed-failures": DEATHS,
             "distributed.comm.timeouts.connect": f"{CONNECT:g}s",
+            "distributed.deploy.lost-worker-timeout": COME_BACK,
         }
         stack.enter_context(dask.config.set(settings))
         if scheduler is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from concurrent.futures import Future
+from concurrent import futures
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -17,13 +17,18 @@ from typing import Any
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.parameters import excerpt
 
-__all__ = ["CONNECT", "connect", "distributed"]
+__all__ = ["CONNECT", "GONE", "connect", "distributed"]
 
 CONNECT = 20.0
 """Time [s] in which a scheduler has to answer: it is there, or it is not."""
 
 ADDRESS = re.compile(r"(tcp|tls|ws|wss|ucx)://[^/\s]+:\d{1,5}/?")
 """What dask takes for the address of a scheduler."""
+
+
+GONE = (OSError, RuntimeError, asyncio.CancelledError, futures.CancelledError)
+"""What a client of dask raises whose scheduler goes while it is asked: a connection that breaks or
+cannot be made, one wanted of a client that was closed, a future that is given up."""
 
 
 def distributed() -> Any:
@@ -115,10 +120,11 @@ def _kind_of(address: str) -> str:
 
     async def ask() -> str:
         secrets = dd.Security().get_connection_args("client")
-        async with dd.rpc(address, timeout=CONNECT, connection_args=secrets) as link:
+        # Bounded by who waits, below: of two limits that are alike, now one would end it, now one.
+        async with dd.rpc(address, timeout=2 * CONNECT, connection_args=secrets) as link:
             return str((await link.identity())["type"])
 
-    answer: Future[str] = Future()
+    answer: futures.Future[str] = futures.Future()
 
     def wait() -> None:
         try:
