@@ -19,9 +19,9 @@ from fibermelt.report.embed import embed_figures
 from fibermelt.report.interactive import NEEDS, bead_data
 from fibermelt.report.sections import told
 from fibermelt.report.templates import page_file, page_template
-from fibermelt.study.files import replace_file
 from fibermelt.study.finished import read_finished
 from fibermelt.study.schema import REPORT
+from fibermelt.study.shown import replace_shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,13 +83,13 @@ def write_report(directory: Path) -> Path:
     ------
     StoreError
         If the folder holds no finished run, what it holds was changed, or it cannot be written;
-        an older report is still there then.
+        a report is still there then.
     """
     finished = read_finished(directory)
     page = render(finished.results, finished.summary, finished.drawn)
     path = directory / REPORT
     try:
-        replace_file(path, page)
+        replace_shown(directory, REPORT, page)
     except StoreError as error:
         if not isinstance(error.__cause__, OSError):
             raise
