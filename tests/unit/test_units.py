@@ -23,6 +23,10 @@ from fibermelt.units import parse, shown
         ("1154 kg/m3", "kg/m^3", 1154.0),
         ("1.154 g/cm^3", "kg/m^3", 1154.0),
         ("1.154 g/cm**3", "kg/m^3", 1154.0),
+        ("1154 kg/m³", "kg/m^3", 1154.0),
+        ("1 1/(m³ s)", "1/(m^3 s)", 1.0),
+        ("10 s⁻¹", "1/s", 10.0),
+        ("\N{MINUS SIGN}1e\N{MINUS SIGN}3 m", "m", -0.001),
         ("8.4 %", "", 0.084),
         ("10 1/s", "1/s", 10.0),
         ("10 /s", "1/s", 10.0),
@@ -59,7 +63,7 @@ def test_temperatures_have_an_offset():
         ("3 furlongz", "m", 'has the unit "furlongz", which is not known'),
         ("3", "m", "has no unit: write one, or the bare number 3 for m"),
         ("three mm", "m", "is not a number in m"),
-        ("3,5 mm", "m", "is not known"),
+        ("3,5 mm", "m", "has a comma: write decimals with a point"),
         ("", "m", "is not a number in m"),
         (True, "m", "is not a number in m"),
         (None, "m", "is not a number in m"),
@@ -117,3 +121,9 @@ def test_what_is_shown_is_read_back(value, like):
 def test_shown_temperature():
     assert shown(503.15, "K", "degC") == "230 degC"
     assert shown(0.5, "") == "0.5"
+
+
+@pytest.mark.parametrize("text", ["3,5", "-1,000.5 mm"])
+def test_a_comma_is_not_taken_for_a_unit(text):
+    with pytest.raises(ConfigError, match="has a comma: write decimals with a point"):
+        parse(text, "m")
