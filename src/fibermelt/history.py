@@ -6,10 +6,10 @@ the fiber never knows where it came from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import HistoryError
 
@@ -41,7 +41,8 @@ class FlowHistory:
     Raises
     ------
     HistoryError
-        If shapes disagree, a value is not finite, time does not increase or ``L`` has a trace.
+        If shapes disagree, a value is no real number or is not finite, time does not increase or
+        ``L`` has a trace.
     """
 
     time: Array
@@ -51,8 +52,10 @@ class FlowHistory:
     pressure: Array
 
     def __post_init__(self) -> None:
-        """Refuse what no incompressible melt can do."""
-        n = self.time.shape[0]
+        """Take lists for arrays, and refuse what no incompressible melt can do."""
+        for each in fields(self):
+            object.__setattr__(self, each.name, _real_array(each.name, getattr(self, each.name)))
+        n = self.time.shape[0] if self.time.ndim else 0
         shapes = {
             "time": (n,),
             "position": (n, 2),
@@ -108,6 +111,19 @@ class FlowHistory:
     def direction(self) -> Array:
         """Return the angle of the velocity from the x axis [rad], continuous along the path."""
         return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
+
+
+def _real_array(name: str, value: ArrayLike) -> Array:
+    """Return real numbers as an array, the very one that was given where it is one of floats."""
+    try:
+        read = np.asarray(value)
+        if np.iscomplexobj(read):
+            msg = f"history: {name} is complex: give real numbers in SI"
+            raise HistoryError(msg)
+        return np.asarray(read, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        msg = f"history: {name} is no array of numbers: give numbers in SI, rows of one length"
+        raise HistoryError(msg) from error
 
 
 def simple_shear(rate: float, duration: float, points: int = 201) -> FlowHistory:
