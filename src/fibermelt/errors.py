@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from pathlib import PurePath
 
 __all__ = [
@@ -14,6 +15,8 @@ __all__ = [
     "StoreError",
     "legible",
     "legible_path",
+    "refuse_no_number",
+    "refuse_other",
 ]
 
 LONGEST = 60
@@ -49,6 +52,54 @@ class StoreError(FibermeltError):
 
 class DamagedError(StoreError):
     """A file of a results folder that is not what was written."""
+
+
+def refuse_no_number(name: str, value: object) -> None:
+    """Refuse what is not one number: a text with a unit, a list, nothing.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+        What was given.
+
+    Raises
+    ------
+    ConfigError
+        If it is no real number: the name, the value and what is expected.
+    """
+    if not isinstance(value, Real):
+        msg = (
+            f"{name} = {legible(repr(value))}: must be one number, in SI; "
+            "units are read in studies and on the command line only"
+        )
+        raise ConfigError(msg)
+
+
+def refuse_other(name: str, value: object, expected: type) -> None:
+    """Refuse a value of another type than the one that is worked with.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+        What was given.
+    expected : type
+        What it must be.
+
+    Raises
+    ------
+    ConfigError
+        If it is something else; where what is expected lies in it, that is told.
+    """
+    if isinstance(value, expected):
+        return
+    holds = isinstance(getattr(value, "response", None), expected)
+    way = ": give its .response" if holds else ""
+    msg = f"{name} is of the type {type(value).__name__}, must be {expected.__name__}{way}"
+    raise ConfigError(msg)
 
 
 def legible(text: str, longest: int = LONGEST) -> str:

@@ -41,8 +41,8 @@ class FlowHistory:
     Raises
     ------
     HistoryError
-        If shapes disagree, a value is no finite number, time does not increase or ``L`` has a
-        trace.
+        If shapes disagree, a value is no real number or not finite, time does not increase, or
+        ``L`` has a trace.
 
     Notes
     -----
@@ -115,12 +115,15 @@ class FlowHistory:
         return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
 
 
-def _own(name: str, value: object) -> Array:
+def _own(name: str, value: ArrayLike) -> Array:
     """Return a read-only copy of numbers as an array, or refuse what is none."""
     try:
+        if np.iscomplexobj(value):
+            msg = f"history: {name} is complex: give real numbers in SI"
+            raise HistoryError(msg)
         owned = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        msg = f"history: {name} is no array of numbers ({error})"
+        msg = f"history: {name} is no array of numbers: give numbers in SI, rows of one length"
         raise HistoryError(msg) from error
     owned.setflags(write=False)
     return owned

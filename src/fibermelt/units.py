@@ -29,6 +29,12 @@ _UNIT = re.compile(r"(?:1?\s*+/)?(?:[\s*/()]|[A-Za-z%µμ]++(?:\^?[+-]?\d)?)*+")
 _SEPARATED = re.compile(r"[,_]\d")
 _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
+MINUS = "\N{MINUS SIGN}"
+"""What the report's page has for ``-``."""
+
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
+"""Raised digits, as the report's page writes ``kg/m³``, to those of ``kg/m3``."""
+
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
 
@@ -55,6 +61,7 @@ def _pint_unit(unit: str) -> str:
     """Return a unit as the unit library spells it: ``m3`` is ``m^3``, ``Pa·s`` a product."""
     spelled = unit.strip().replace("·", "*").replace("**", "^")
     spelled = spelled.replace("°C", "degC").replace("°", "deg").replace("%", "percent")
+    spelled = spelled.translate(_RAISED)
     if len(spelled) > LONGEST or not _UNIT.fullmatch(spelled):
         raise ValueError(unit)
     return _EXPONENT.sub(r"\1^\2", "1" + spelled if spelled.startswith("/") else spelled)
@@ -156,7 +163,7 @@ def parse(value: object, unit: str) -> float:
     if not isinstance(value, str):
         number = _float(value)
     else:
-        match = _QUANTITY.fullmatch(value)
+        match = _QUANTITY.fullmatch(value.replace(MINUS, "-"))
         if match is None:
             msg = f"is not a number{_with_unit(unit)}"
             raise ConfigError(msg)
@@ -217,7 +224,7 @@ def parse_difference(value: object, unit: str) -> float:
     10.0
     """
     number = parse(value, unit)
-    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    match = _QUANTITY.fullmatch(value.replace(MINUS, "-")) if isinstance(value, str) else None
     given = (match["unit"] or "").strip() if match else ""
     if match is None or not given:
         return number

@@ -12,6 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.errors import DamagedError
+from fibermelt.study.files import digest, read_sealed, write_sealed
+from fibermelt.study.store import Store
 
 # The made-up results are the unit tests' own; nothing but this file needs them here.
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
@@ -109,3 +112,19 @@ def test_a_report_that_cannot_be_written_leaves_the_old_one(folder, monkeypatch)
     assert refused(report(folder), "report.html: cannot be written: no space left", "report on a")
     assert (folder / "report.html").read_bytes() == first
     assert not [*folder.glob(".partial*")]
+
+
+def test_a_new_page_is_not_taken_for_a_changed_one(folder):
+    """Another version writes another page; a run into the folder must still know it as its own."""
+    manifest = folder / "stages/outputs.json"
+    listed = read_sealed(manifest)
+    older = {**listed["files"], "report.html": digest(b"the page of an older version")}
+    write_sealed(manifest, {**listed, "files": older})
+    (folder / "report.html").write_bytes(b"the page of an older version")
+    assert report(folder).exit_code == 0
+    page = (folder / "report.html").read_bytes()
+    assert read_sealed(manifest)["files"] == {**older, "report.html": digest(page)}
+    assert Store.open(folder).published(listed["run"])
+    (folder / "report.html").write_bytes(b"changed by hand")
+    with pytest.raises(DamagedError, match=r"report\.html: is damaged, or was changed"):
+        Store.open(folder).published(listed["run"])

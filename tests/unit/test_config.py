@@ -195,6 +195,16 @@ ONE_LINE = [
     ),
     ("[sensitivity]\naspect_ratios = []", r"^sensitivity\.aspect_ratios = \[\]: at least one"),
     ("[sensitivity]\nviscosities = [1, 1]", r"^sensitivity\.viscosities: lists a value twice"),
+    (
+        "[flow]\ngap = 3 mm",
+        r'study\.toml: not TOML: .*; a quantity stands in quotes: gap = "3 mm" \(at line 2, ',
+    ),
+    ('[flow]\ngap = "3 mm', r"study\.toml: not TOML: .*a quote is missing in this line"),
+    (
+        "[flow]\n[melt]\n[flow]",
+        r"study\.toml: not TOML: the table \[flow\] is there twice: write all its keys under one",
+    ),
+    ('preset = "paper"\npreset = "paper"', r"study\.toml: not TOML: a key is there twice"),
     ("a = ", r"study\.toml: not TOML: .*\(at (line 1, column 5|end of document)\)$"),
 ]
 
@@ -373,3 +383,11 @@ def test_any_text_is_read_back(text):
 def test_a_bound_has_a_known_name():
     with pytest.raises(TypeError, match="no bound"):
         quantity("1 m", "m", "A length.", above=0)
+
+
+def test_a_preset_lends_what_it_has_from_another(tmp_path):
+    """`nozzle` has the paper's parameters, but neither its sweep nor its parts are lent."""
+    lent = load_study(study(tmp_path, 'preset = "nozzle"'))
+    assert lent.sweep is None
+    assert lent.config.study.parts == ("bead",)
+    assert lent.config.interaction.convention == PAPER.interaction.convention == "paper"

@@ -140,3 +140,10 @@ def test_the_results_folder_is_told_on_one_line():
     summary = {**paper_like([1.0], set()), "cost": {}}
     study = load_study("paper", ['study.parts=["bead"]'])
     assert r"results         a\nb" in in_words(summary, CHAIN, study, Path("a\nb"))
+
+
+def test_a_circle_has_no_sign():
+    """Its shape factor is zero but for a rounding of either sign."""
+    summary = summarize_bead(results(stall_angle=math.nan))
+    summary["cell"]["shape_factor"] = -6e-10
+    assert "B = 0.0000: in simple shear it tumbles" in "\n".join(bead_in_words(summary))

@@ -73,6 +73,10 @@ def test_a_case_is_known_by_its_resolved_study(tmp_path):
 
 WRONG = [
     ("", "sweep: nothing varies"),
+    (
+        "flow.gap = [1]",
+        r'sweep\.flow\.gap: a key of \[sweep\] stands in quotes: write "flow\.gap" =',
+    ),
     ('"flow.gapp" = [1]', r"sweep\.flow\.gapp: unknown key; did you mean flow\.gap\?"),
     ('"flow.gap" = []', r'sweep\."flow\.gap" = \[\]: must be a list of values, or a range'),
     ('"flow.gap" = 3', r'sweep\."flow\.gap" = 3: must be a list of values'),

@@ -23,6 +23,10 @@ from fibermelt.units import parse, parse_difference, shown
         ("1154 kg/m3", "kg/m^3", 1154.0),
         ("1.154 g/cm^3", "kg/m^3", 1154.0),
         ("1.154 g/cm**3", "kg/m^3", 1154.0),
+        ("1154 kg/m³", "kg/m^3", 1154.0),
+        ("1 1/(m³ s)", "1/(m^3 s)", 1.0),
+        ("10 s⁻¹", "1/s", 10.0),
+        ("\N{MINUS SIGN}1e\N{MINUS SIGN}3 m", "m", -0.001),
         ("8.4 %", "", 0.084),
         ("10 1/s", "1/s", 10.0),
         ("10 /s", "1/s", 10.0),
@@ -128,7 +132,9 @@ def test_a_zero_far_off_costs_no_digits(fahrenheit: str, kelvin: float) -> None:
     assert parse_difference("18 degF", "K") == pytest.approx(10.0, rel=2e-16)
 
 
-@pytest.mark.parametrize(("text", "mark"), [("1,5 mm", ","), ("12_000 mm", "_")])
+@pytest.mark.parametrize(
+    ("text", "mark"), [("1,5 mm", ","), ("3,5", ","), ("-1,000.5 mm", ","), ("12_000 mm", "_")]
+)
 def test_a_number_as_written_elsewhere(text: str, mark: str) -> None:
     with pytest.raises(ConfigError, match=f'^has "{mark}" in its number: write a decimal point'):
         parse(text, "m")

@@ -241,6 +241,18 @@ def test_the_advice_follows_from_the_critical_moisture():
     )
 
 
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [(0.0258, "2.5 %"), (0.01565, "1.5 %"), (0.1129, "11 %"), (0.12, "12 %"), (0.5, "50 %")],
+)
+def test_what_to_stay_below_is_never_rounded_up(share, told):
+    """At the speed that is told no fiber may be under tension any more."""
+    lowest = ATMOSPHERE * (1 - 1 / share)
+    found = {"moisture": 0.0, "critical_moisture": 0.0, "lowest_pressure": lowest}
+    melt = {"melt": {"critical_moisture": 1e-3}}
+    assert f"until both speeds are below {told} of these" in advice({**found, "by_basis": melt})
+
+
 def test_nothing_but_singular_streamlines_is_said_so():
     found = assessed(bead(near_singularity=[1, 1]))
     summary = summarize_voids(found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, HistoryError
+from fibermelt.errors import ConfigError, HistoryError, refuse_no_number
 from fibermelt.history import TRACE_TOLERANCE
 
 __all__ = [
@@ -129,6 +129,7 @@ def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:
 
 def checked_positive(name: str, value: float, unit: str, example: str) -> float:
     """Return a positive finite number, or refuse it with its name, unit and an example."""
+    refuse_no_number(name, value)
     if not (np.isfinite(value) and value > 0):
         msg = f"{name} = {value:g} {unit}".rstrip() + f": must be positive, e.g. {example}"
         raise ConfigError(msg)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.curve import TrigonometricCurve, fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
@@ -114,6 +114,7 @@ def orbit(
     An unbounded ellipse has ``mu gamma_dot (1 + r_e)``, at its tips, lowest at 45 degrees from the
     flow (Jeffery 1922, doi 10.1098/rspa.1922.0078; the paper's Eq. 24-25 and Fig. 9).
     """
+    refuse_other("response", response, FiberResponse)
     shear_rate, viscosity, angle = checked_shear(shear_rate, viscosity, angle)
     amplitude = 0.5 * viscosity * shear_rate
     lowest_at, where = _lowest(response, angle)

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, HistoryError, refuse_no_number, refuse_other
 from fibermelt.fiber.motion import Turning
 from fibermelt.fiber.paths import Path, strain_polar
 from fibermelt.fiber.response import FiberResponse
@@ -142,8 +142,18 @@ def surface_pressure(
     Raises
     ------
     ConfigError
-        If the viscosity is not positive.
+        If the viscosity is not positive, or the response is none.
+    HistoryError
+        If the fibers were followed along a path of another length.
     """
+    refuse_other("response", response, FiberResponse)
+    points, followed = path.time.shape[-1], motion.angle.shape[-1]
+    if points != followed:
+        msg = (
+            f"the path has {points} points, the motion was followed over {followed}: give the "
+            "path that the fibers were followed along"
+        )
+        raise HistoryError(msg)
     size, double = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
     phase = double[..., None, :] - 2.0 * motion.angle
@@ -159,6 +169,7 @@ def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> Pr
     ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled. Parameters as in
     `surface_pressure`.
     """
+    refuse_other("response", response, FiberResponse)
     size, _ = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
     worst = amplitude * response.support.largest
@@ -168,6 +179,7 @@ def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> Pr
 
 def checked_viscosity(viscosity: float) -> float:
     """Return a viscosity [Pa s], or refuse it (`ConfigError`)."""
+    refuse_no_number("melt.viscosity", viscosity)
     if not (np.isfinite(viscosity) and viscosity > 0):
         msg = f"melt.viscosity = {viscosity:g} Pa s: must be positive, e.g. 817"
         raise ConfigError(msg)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number
 from fibermelt.fiber.checks import checked_positive
 
 __all__ = ["Ellipse", "jeffery_factor"]
@@ -56,6 +56,8 @@ class Ellipse:
 
     def __post_init__(self) -> None:
         """Refuse what is no fiber."""
+        refuse_no_number("fiber.half_length", self.half_length)
+        refuse_no_number("fiber.aspect_ratio", self.aspect_ratio)
         if not (np.isfinite(self.half_length) and self.half_length > 0):
             msg = f"fiber.half_length = {self.half_length:g} m: must be positive, e.g. 42e-6"
             raise ConfigError(msg)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
 from fibermelt.rheology import Newtonian
 
 __all__ = ["Deposition", "FlowNumerics", "Nozzle"]
@@ -20,6 +20,7 @@ the capillary is no longer resolved."""
 def _require_positive(section: str, value: object, names: list[str]) -> None:
     for name in names:
         number = getattr(value, name)
+        refuse_no_number(f"{section}.{name}", number)
         if not (math.isfinite(number) and number > 0):
             msg = f"{section}.{name} = {number:g} must be positive and finite"
             raise ConfigError(msg)
@@ -106,6 +107,11 @@ class Deposition:
         Mean speed of the parabola at the inlet [m/s], > 0.
     bed_speed : float
         Speed of the bed in +x [m/s], > 0.
+
+    Raises
+    ------
+    ConfigError
+        If a speed is not positive and finite, or nozzle or melt is of another type.
     """
 
     nozzle: Nozzle
@@ -114,7 +120,9 @@ class Deposition:
     bed_speed: float = 101.6e-3
 
     def __post_init__(self) -> None:
-        """Refuse a bed or a melt that stands still."""
+        """Refuse a bed or a melt that stands still, and what is no nozzle or no melt."""
+        refuse_other("nozzle", self.nozzle, Nozzle)
+        refuse_other("melt", self.melt, Newtonian)
         _require_positive("flow", self, ["inlet_speed", "bed_speed"])
 
     @property
@@ -166,8 +174,8 @@ class FlowNumerics:
 
     def __post_init__(self) -> None:
         """Refuse numerics that no mesh can follow."""
-        if not 2 <= self.order <= 6:
-            msg = f"numerics.flow_order = {self.order} must lie in 2 to 6"
+        if self.order not in range(2, 7):
+            msg = f"numerics.flow_order = {self.order} must lie in 2 to 6, a whole number"
             raise ConfigError(msg)
         for name in EDGES:
             value = getattr(self, name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number
 
 __all__ = ["Newtonian"]
 
@@ -35,6 +35,7 @@ class Newtonian:
         """Refuse a melt that cannot be."""
         for name in ("viscosity", "density"):
             value = getattr(self, name)
+            refuse_no_number(f"melt.{name}", value)
             if not (math.isfinite(value) and value > 0):
                 msg = f"melt.{name} = {value:g} must be positive and finite"
                 raise ConfigError(msg)

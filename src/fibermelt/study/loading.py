@@ -22,6 +22,7 @@ from fibermelt.study.overrides import (
     unreadable,
 )
 from fibermelt.study.parameters import excerpt
+from fibermelt.study.syntax import syntax_fault
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
@@ -96,9 +97,7 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
                 f'preset = {excerpt(preset)}: must be the name of a shipped study, such as "paper"'
             )
             raise ConfigError(msg)
-        # A preset lends its parameters; what is computed with them is the study's own to say.
-        lent = {key: table for key, table in _preset(preset).items() if key not in OWN_TABLES}
-        tables = merged(lent, tables)
+        tables = merged(_lent(preset), tables)
         origin += f", preset {preset}"
     if overrides:
         origin += ", with " + ", ".join(overrides)
@@ -194,8 +193,7 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        what = legible(str(error), _LONGEST_PATH)
-        msg = f"{where}: not TOML: {what[:1].lower()}{what[1:]}"
+        msg = f"{where}: not TOML: {legible(syntax_fault(error, text), _LONGEST_PATH)}"
         raise ConfigError(msg) from None
     except (ValueError, RecursionError) as error:
         msg = f"{where}: {unreadable(error)}"
@@ -215,6 +213,17 @@ def _preset(name: str) -> dict[str, Any]:
         raise ConfigError(msg)
     source = files("fibermelt.study").joinpath("presets", f"{name}.toml")
     return _parsed(source.read_text(encoding="utf-8"), f"preset {name}")
+
+
+def _lent(name: str) -> dict[str, Any]:
+    """Return the parameters of a shipped study, those that it has from another included.
+
+    What is computed with them is the borrowing study's own to say.
+    """
+    tables = _preset(name)
+    base = tables.pop("preset", None)
+    own = {key: table for key, table in tables.items() if key not in OWN_TABLES}
+    return merged(_lent(base), own) if base else own
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

@@ -37,6 +37,7 @@ from fibermelt.study.parameters import (
     excerpt,
     flatten,
 )
+from fibermelt.study.syntax import syntax_fault
 from fibermelt.units import celsius_meant
 from fibermelt.voids.diffusion import Arrhenius
 from fibermelt.voids.han import HanConstants
@@ -169,8 +170,9 @@ def _read(material: str) -> dict[str, Any]:
     try:
         if material in shipped:
             file = files("fibermelt").joinpath("data", "materials", f"{material}.toml")
-            return tomllib.loads(file.read_text(encoding="utf-8"))
-        return tomllib.loads(Path(material).read_text(encoding="utf-8"))
+            text = file.read_text(encoding="utf-8")
+        else:
+            text = Path(material).read_text(encoding="utf-8")
     except FileNotFoundError:
         nearest = get_close_matches(material, shipped, n=1)
         guess = f"; did you mean {nearest[0]}?" if nearest else ""
@@ -182,6 +184,15 @@ def _read(material: str) -> dict[str, Any]:
     except OSError as error:
         msg = f"{shown}: cannot be read: {error.strerror}"
         raise ConfigError(msg) from error
+    except UnicodeDecodeError as error:
+        msg = f"{shown}: is not a card in TOML: {legible(str(error), _LONGEST_PATH)}"
+        raise ConfigError(msg) from None
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        what = legible(syntax_fault(error, text), _LONGEST_PATH)
+        msg = f"{shown}: is not a card in TOML: {what}"
+        raise ConfigError(msg) from None
     except (ValueError, RecursionError) as error:
         msg = f"{shown}: is not a card in TOML: {legible(str(error), _LONGEST_PATH)}"
         raise ConfigError(msg) from None

@@ -146,11 +146,13 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
     flow, cell = summary["flow"], summary["cell"]
     stall = cell["stall_angle"]
     motion = "tumbles" if stall is None else f"stalls at {math.degrees(stall):.2f} deg"
+    # Adding zero takes the sign off a circle's, which is zero but for rounding.
+    factor = round(cell["shape_factor"], 4) + 0.0
     lines = [
         f"bead height     {flow['bead_height'] * 1e3:.3f} mm",
         f"inlet pressure  {flow['inlet_pressure'] / 1e6:.3f} MPa",
         f"contact point   {flow['contact_point'] * 1e3:.3f} mm from the nozzle's axis",
-        f"fiber           B = {cell['shape_factor']:.4f}: in simple shear it {motion}",
+        f"fiber           B = {factor:.4f}: in simple shear it {motion}",
     ]
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
     for location, place in ((1, "in the nozzle"), (2, "below it      ")):

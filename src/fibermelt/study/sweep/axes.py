@@ -30,7 +30,12 @@ from fibermelt.study.sweep.distributions import (
     Uniform,
     Weibull,
 )
-from fibermelt.study.sweep.refusals import refuse_range, refuse_repeated, refuse_unknown
+from fibermelt.study.sweep.refusals import (
+    refuse_range,
+    refuse_repeated,
+    refuse_unknown,
+    refuse_unquoted,
+)
 from fibermelt.units import parse, parse_difference
 
 __all__ = ["DISTRIBUTIONS", "MOST_CASES", "Axis", "read_axis"]
@@ -108,6 +113,7 @@ def read_axis(name: str, entry: object, known: Mapping[str, Declaration]) -> Axi
     keys = tuple(key.strip() for key in name.split(","))
     for key in keys:
         if key not in known:
+            refuse_unquoted(key, entry, known)
             refuse_unknown(key, known)
         if key == "study.parts":
             msg = "sweep: study.parts cannot vary: every case has the same results"

@@ -13,7 +13,7 @@ from fibermelt.study.parameters import Declaration, excerpt
 from fibermelt.study.sweep.settings import SETTINGS
 from fibermelt.units import parse
 
-__all__ = ["refuse_range", "refuse_repeated", "refuse_unknown"]
+__all__ = ["refuse_range", "refuse_repeated", "refuse_unknown", "refuse_unquoted"]
 
 SAME_DIGITS = 12
 """Digits to which two values are the same: units bring roundings of some 1e-16 of a value."""
@@ -43,6 +43,30 @@ def refuse_unknown(key: str, known: Mapping[str, Declaration]) -> NoReturn:
         raise ConfigError(msg)
     msg = f"sweep.{unknown_key(bare, known)}"
     raise ConfigError(msg)
+
+
+def refuse_unquoted(key: str, entry: object, known: Mapping[str, Declaration]) -> None:
+    """Refuse ``flow.gap = ...`` in the table ``[sweep]``, which TOML takes for a table in a table.
+
+    Parameters
+    ----------
+    key : str
+        The key as TOML has it: the part before the first point.
+    entry : object
+        What it stands for.
+    known : mapping
+        The parameters that there are.
+
+    Raises
+    ------
+    ConfigError
+        If it is a table that holds a parameter: the key, as it is to be written.
+    """
+    inside = entry if isinstance(entry, Mapping) else {}
+    meant = next((name for last in inside if (name := f"{key}.{last}") in known), None)
+    if meant is not None:
+        msg = f'sweep.{meant}: a key of [sweep] stands in quotes: write "{meant}" = ...'
+        raise ConfigError(msg)
 
 
 def refuse_range(shown: str, entry: Mapping[str, Any], about: Declaration) -> None:

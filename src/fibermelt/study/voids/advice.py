@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from decimal import ROUND_DOWN, Context
 from typing import Any
 
 from fibermelt.voids.constants import ATMOSPHERE
@@ -10,6 +11,12 @@ from fibermelt.voids.constants import ATMOSPHERE
 __all__ = ["advice"]
 
 PERCENT = 100.0
+
+DIGITS = 2
+"""Significant digits of what is advised."""
+
+ROUNDING_DIGITS = 12
+"""Digits of a share that are no rounding: 0.12 is 12 %, not 11, wherever its last bit went."""
 
 
 def advice(found: Mapping[str, Any]) -> str:
@@ -33,7 +40,7 @@ def advice(found: Mapping[str, Any]) -> str:
         if found["moisture"] < critical:
             return f"Keep it this dry: {below}."
         return f"Dry the material: {below}."
-    slower = f"{PERCENT * ATMOSPHERE / (ATMOSPHERE - lowest):.0f} %"
+    slower = _percent(ATMOSPHERE / (ATMOSPHERE - lowest))
     tension = (
         "at fibers in their worst direction the melt is under tension, which no drying helps, "
         f"until both speeds are below {slower} of these"
@@ -47,6 +54,13 @@ def advice(found: Mapping[str, Any]) -> str:
     )
 
 
-def _percent(moisture: float) -> str:
-    """Return a moisture in percent with two significant digits, the zeros among them."""
-    return f"{PERCENT * moisture:#.2g}".removesuffix(".") + " %"
+def _percent(share: float) -> str:
+    """Return a share in percent with two significant digits, the zeros among them.
+
+    Rounded down: what is told to stay below must not lie above the bound itself.
+    """
+    exact = Context(prec=ROUNDING_DIGITS).create_decimal_from_float(PERCENT * share)
+    return (
+        f"{float(Context(prec=DIGITS, rounding=ROUND_DOWN).plus(exact)):#.2g}".removesuffix(".")
+        + " %"
+    )
