@@ -55,7 +55,7 @@ test: $(VENV)/.installed-test
 
 # A warning is an error, as is a name in a docstring that does not exist.
 docs: $(VENV)/.installed-docs
-	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -n -q docs docs/_build/html
+	OMP_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -q docs docs/_build/html
 	@echo "Look at docs/_build/html/index.html."
 
 # Another draw each time: what fails is told with the seed that repeats it (--hypothesis-seed).

@@ -66,6 +66,7 @@ sphinx_gallery_conf = {
     "default_thumb_file": str(HERE / "images" / "bead.png"),
     "capture_repr": (),
     "download_all_examples": False,
+    "notebook_extensions": set(),
     "remove_config_comments": True,
     "show_memory": False,
     "show_signature": False,

@@ -21,7 +21,7 @@ def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     if missing := [name for name in NEEDED if importlib.util.find_spec(name) is None]:
         pytest.skip(f"no {', '.join(missing)}: pip install .[docs]")
     site = tmp_path / "html"
-    quiet = ["-q", "-W", "--keep-going", "-n", "-D", "plot_gallery=0"]
+    quiet = ["-q", "-W", "--keep-going", "-D", "plot_gallery=0"]
     # The gallery is written beside the pages: a copy leaves one that was run as it is.
     names = (
         "docs",

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 import typer
 
@@ -126,6 +127,26 @@ def test_names_in_python_blocks_exist() -> None:
     for path in PAGES:
         for name in re.findall(r"`fm\.(\w+)", page(path)):
             assert name in fibermelt.__all__, f"{shown(path)}: fm.{name}"
+
+
+def test_the_how_to_of_streamlines_runs() -> None:
+    """Its blocks one after the other, on the history that it offers to compare with."""
+    given = fibermelt.simple_shear(1.0, 40.0)
+    known: dict[str, Any] = {name: getattr(given, name) for name in ("time", "position")}
+    known |= {"velocity": given.velocity, "pressure": given.pressure}
+    # A trace as a solver leaves it, which the second block takes out and the first refuses.
+    known["gradient"] = given.gradient + 1e-4 * np.eye(2)
+    first, second, third = (text for where, text in blocks("python") if "streamlines" in where)
+    with pytest.raises(fibermelt.HistoryError, match="has trace"):
+        exec(first, known)
+    for text in (second, first, third):
+        exec(text, known)
+    assert np.abs(known["history"].gradient - given.gradient).max() < 1e-15
+    assert np.all(known["bound"].lowest <= known["pressure"].lowest.min(axis=0))
+    ellipse = fibermelt.unbounded_model("ellipse", fibermelt.Ellipse(42e-6, 6.0)).response
+    assert fibermelt.orbit(ellipse, 1.0, 817.0).period / 2 == pytest.approx(19.37, abs=0.005)
+    turned = fibermelt.follow(given, ellipse.shape_factor, np.zeros(1)).angle[0]
+    assert np.interp(19.373, given.time, turned) == pytest.approx(-np.pi, abs=1e-3)
 
 
 def commands() -> Iterator[tuple[str, str, bool]]:
