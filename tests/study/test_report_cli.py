@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.errors import DamagedError
 from fibermelt.study.files import digest, read_sealed, write_sealed
-from fibermelt.study.store import Store
+from fibermelt.study.outputs import is_published
 
 # The made-up results are the unit tests' own; nothing but this file needs them here.
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
@@ -124,7 +124,7 @@ def test_a_new_page_is_not_taken_for_a_changed_one(folder):
     assert report(folder).exit_code == 0
     page = (folder / "report.html").read_bytes()
     assert read_sealed(manifest)["files"] == {**older, "report.html": digest(page)}
-    assert Store.open(folder).published(listed["run"])
+    assert is_published(folder, listed["run"])
     (folder / "report.html").write_bytes(b"changed by hand")
     with pytest.raises(DamagedError, match=r"report\.html: is damaged, or was changed"):
-        Store.open(folder).published(listed["run"])
+        is_published(folder, listed["run"])
