@@ -106,3 +106,14 @@ def test_a_maximum_that_moves_fast_is_no_corner() -> None:
     exact = np.hypot(1.5 * np.cos(phase), np.sin(phase))
     # The table is checked half-way between knots: elsewhere its error may be twice as large.
     assert np.max(np.abs(support(phase) - exact)) < 2.0 * TABLE
+
+
+def test_a_response_stays_as_it_is() -> None:
+    response = unbounded_ellipse(Ellipse(1.0, 6.0))
+    with pytest.raises(ValueError, match="read-only"):
+        response.basis[0] = 0.0
+    basis = np.array(response.basis)
+    mine = FiberResponse(6.0, 0.9, response.surface.tolist(), basis)
+    largest = mine.tip_pressure
+    basis *= 2.0
+    assert mine.tip_pressure == largest == response.tip_pressure

@@ -173,6 +173,10 @@ def test_refusals(law) -> None:
         ),
         (lambda: ActivityLaw(0.1, 300.0, 0.0, (np.nan, 400.0)), r"temperatures\[0\] = nan K"),
         (lambda: FloryHuggins(1.0, 1e3, temperatures=(0.0, 9.0)), r"temperatures\[0\] = 0 K"),
+        (
+            lambda: critical_moisture(ActivityLaw(0.1, 300.0, 0.0, (470.0, 540.0)), -1e5, 400.0),
+            "temperature = 400 K: must be from 470 to 540 K",
+        ),
         (lambda: log_activity(0.0, 1.0), "solvent fraction = 0: must be above 0 and at most 1"),
         (lambda: ActivityLaw(1.5, 300.0), r"moisture.content = 1.5: must be above 0 and at most 1"),
         (lambda: ActivityLaw(0.1, np.inf), "moisture.reference_temperature = inf K"),

@@ -41,6 +41,7 @@ __all__ = [
     "ellipse_pressure",
     "jeffery_angle",
     "jeffery_period",
+    "surface_points",
     "unbounded_ellipse",
 ]
 
@@ -117,16 +118,35 @@ def unbounded_ellipse(fiber: Ellipse) -> FiberResponse:
         If it is more slender than `MOST_SLENDER`.
     """
     r = fiber.aspect_ratio
-    refuse_too_slender(r, MOST_SLENDER)
-    m = (r - 1.0) / (r + 1.0)
-    harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
-    points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))
-    surface = 2.0 * np.pi * np.arange(points) / points
-    half = surface[: points // 2]
+    surface = surface_points(r)
+    half = surface[: surface.size // 2]
     one, none = np.ones_like(half), np.zeros_like(half)
     columns = [ellipse_pressure(r, one, none, half), ellipse_pressure(r, none, one, half)]
     basis = np.tile(np.stack(columns, axis=-1), (2, 1))
     return FiberResponse(r, fiber.jeffery_factor, surface, basis)
+
+
+def surface_points(aspect_ratio: float) -> Array:
+    """Return the eccentric angles ``2 pi j/m`` [rad] that carry the harmonics of the pressure.
+
+    Those of an ellipse fall off like ``m^k``, ``m = (r_e - 1)/(r_e + 1)``, of a spheroid's section
+    likewise: the normal's angle has the same singularities.
+
+    Parameters
+    ----------
+    aspect_ratio : float
+        ``r_e`` [-], at least one.
+
+    Raises
+    ------
+    ConfigError
+        If it is above `MOST_SLENDER`.
+    """
+    refuse_too_slender(aspect_ratio, MOST_SLENDER)
+    m = (aspect_ratio - 1.0) / (aspect_ratio + 1.0)
+    harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
+    points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))
+    return 2.0 * np.pi * np.arange(points) / points
 
 
 def jeffery_period(aspect_ratio: float, shear_rate: float) -> float:

@@ -59,6 +59,10 @@ class FiberResponse:
     ConfigError
         If shapes disagree, a value is not finite, the angles are not the uniform ones or the basis
         lacks the fiber's symmetry.
+
+    Notes
+    -----
+    The arrays are copies, and read-only: the curve and its support function are made once.
     """
 
     aspect_ratio: float
@@ -67,8 +71,12 @@ class FiberResponse:
     basis: Array
 
     def __post_init__(self) -> None:
-        """Refuse what no fiber answers."""
-        m = self.surface.shape[0]
+        """Take the numbers over, and refuse what no fiber answers."""
+        for name in ("surface", "basis"):
+            owned = np.array(getattr(self, name), dtype=np.float64)
+            owned.setflags(write=False)
+            object.__setattr__(self, name, owned)
+        m = self.surface.size
         if self.surface.shape != (m,) or m < FEWEST_SURFACE_POINTS or m % 2:
             msg = (
                 f"response: surface has shape {self.surface.shape}, expected (m,) with m even and "

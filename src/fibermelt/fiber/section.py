@@ -18,20 +18,14 @@ extremes (the tests hold them against every direction for aspect ratios of 1 to 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import refuse_too_slender
-from fibermelt.fiber.jeffery import MOST_SLENDER
+from fibermelt.fiber.jeffery import surface_points
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.spheroid import SpheroidResponse
 
 __all__ = ["planar_section"]
-
-HARMONIC_TOLERANCE = 1e-16
-"""Size of the first harmonic ``m^k``, ``m = (a - b)/(a + b)``, that the points need not carry."""
 
 
 def planar_section(spheroid: SpheroidResponse) -> FiberResponse:
@@ -54,12 +48,8 @@ def planar_section(spheroid: SpheroidResponse) -> FiberResponse:
     if r < 1.0:
         msg = f"fiber.aspect_ratio = {r:g}: the section of a disc does not see its extremes: >= 1"
         raise ConfigError(msg)
-    refuse_too_slender(r, MOST_SLENDER)
-    m = (r - 1.0) / (r + 1.0)
-    harmonics = math.log(HARMONIC_TOLERANCE) / math.log(m) if m > 0.0 else 1.0
-    points = 1 << max(6, math.ceil(math.log2(4.0 * harmonics + 4.0)))
-    surface = 2.0 * np.pi * np.arange(points) / points
-    half = surface[: points // 2]
+    surface = surface_points(r)
+    half = surface[: surface.size // 2]
     along, across = np.cos(half), r * np.sin(half)
     square = along * along + across * across
     first = (spheroid.offset - spheroid.axial) * along * along

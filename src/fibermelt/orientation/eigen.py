@@ -19,7 +19,7 @@ SWEEPS = 12
 """Sweeps allowed: convergence is cubic, 4 to 5 are usual."""
 
 ROTATED = 1e-17
-"""Off-diagonal size, relative to the tensor's, at which it is diagonal: below rounding."""
+"""Off-diagonal size, over the tensor's own, at which it is diagonal: below rounding."""
 
 NO_DIVISION_BY_ZERO = 1e-300
 """Added to a denominator that vanishes only with its numerator."""

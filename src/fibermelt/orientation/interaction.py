@@ -42,7 +42,7 @@ PAPER_INTERACTIONS = (0.005, 0.05)
 """Interaction coefficients over which Eq. 33 follows a computed curve [-]."""
 
 PAPER_ANGLE_END = 0.1
-"""Largest ``C_I`` of Eq. 33 [-]: the quartic turns at 0.107 and falls."""
+"""Largest ``C_I`` of Eq. 33 [-]: the quartic turns at 0.109 and falls."""
 
 PAPER_DOMAIN_END = 0.041
 """Largest ``C_I`` of Eq. 34 [-]: ``M`` has come down to 2.01, the fiber's own length."""

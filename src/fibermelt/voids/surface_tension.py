@@ -175,7 +175,7 @@ class Wetting:
     Parameters
     ----------
     cosine : float
-        ``cos(phi)`` [-] of the angle through the melt, above -1. Above 1 the melt spreads.
+        ``cos(phi)`` [-] of the angle through the melt, at least -1. Above 1 the melt spreads.
 
     Raises
     ------

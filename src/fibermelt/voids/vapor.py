@@ -87,6 +87,7 @@ def critical_moisture(isotherm: Isotherm, pressure: ArrayLike, temperature: Arra
     """
     local = checked_range("pressure", pressure, (-np.inf, np.inf), "Pa")
     local, T = np.broadcast_arrays(local, np.asarray(temperature, dtype=np.float64))
+    isotherm.saturation_content(T)  # refuses temperatures that the law is not for, at any pressure
     saturated = saturation_pressure(T)
     inside = (local > 0.0) & (local <= saturated)
     found = np.where(local > 0.0, np.inf, 0.0)
