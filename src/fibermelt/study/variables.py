@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from fibermelt.study.voids.variables import VOID_VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VARIABLES", "labelled", "or_none"]
+__all__ = ["VARIABLES", "labelled", "or_none", "study_of"]
 
 _PATH = "streamline point"
 _FIBER = "streamline initial_angle point"
@@ -177,3 +178,8 @@ def or_none(value: Any) -> float | None:
     """Return a number of the results, None for the NaN of what does not exist."""
     number = float(value)
     return None if math.isnan(number) else number
+
+
+def study_of(results: xr.Dataset) -> dict[str, Any]:
+    """Return the study that results hold as tables, in SI; empty if they hold none."""
+    return tomllib.loads(results.attrs.get("config", ""))
