@@ -1,6 +1,6 @@
 """The chain's stages: what they read, and that a study and the solvers mean the same defaults."""
 
-from dataclasses import fields
+from dataclasses import astuple, fields
 from typing import get_args
 
 import pytest
@@ -10,15 +10,29 @@ from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.study.bead.fiber import PRESSURE_REFERENCE
 from fibermelt.study.bead.flow import FLOW_NUMERICS
+from fibermelt.study.bead.variables import BEAD_VARIABLES
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.claims.judge import claims
+from fibermelt.study.claims.printed import printed_periods
+from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.config import PartName
+from fibermelt.study.files import canonical, digest
 from fibermelt.study.loading import resolve
+from fibermelt.study.materials import load_card, material_names
 from fibermelt.study.netcdf import from_bytes, to_bytes
+from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
 from fibermelt.study.parameters import flatten
+from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
 from fibermelt.study.stages import keys, stage_parameters
 from fibermelt.study.variables import VARIABLES, labelled
+from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
+from fibermelt.study.voids.variables import VOID_VARIABLES
 from fibermelt.units import parse
 
+TABLES = (
+    *(BEAD_VARIABLES, CLAIM_VARIABLES, ORIENTATION_VARIABLES, SENSITIVITY_VARIABLES),
+    *(VOID_VARIABLES, VERIFICATION_VARIABLES),
+)
 DEFAULTS = flatten(resolve({}))
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - {"flow", "streamlines", "verification"}
 BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids", "claims"}
@@ -27,6 +41,37 @@ BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids", "cl
 def test_every_parameter_is_read_by_a_stage():
     read = {key for stage in CHAIN.stages for key in stage_parameters(stage, DEFAULTS)}
     assert read == set(DEFAULTS) - {"study.parts"}
+
+
+def test_no_variable_is_declared_by_two_parts():
+    """Merged, one of the two would hide the other."""
+    assert len(VARIABLES) == sum(map(len, TABLES))
+
+
+def _read_of_facts():
+    """Return what stages read of the package's data, besides parameters and inputs."""
+    return {
+        "voids": [
+            [card.key, card.name, *([key, v.written, v.is_estimate] for key, v in known)]
+            for card in map(load_card, material_names())
+            for known in [sorted(card.provenance.items())]
+        ],
+        "orbits": [astuple(line) for line in printed_periods()],
+        "claims": [[claim.id, claim.quantity, claim.unit] for claim in claims()],
+    }
+
+
+@pytest.mark.parametrize(
+    ("stage", "version", "seal"),
+    [("voids", 1, "67fab2894ccc"), ("orbits", 1, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
+)
+def test_facts_that_change_raise_the_version_of_their_stage(stage, version, seal):
+    """No key has them: what was stored with other facts would count as up to date.
+
+    Who changes a fact raises the version of its stage, and writes both down here.
+    """
+    (found,) = (one.version for one in CHAIN.stages if one.name == stage)
+    assert (found, digest(canonical(_read_of_facts()[stage]))[:12]) == (version, seal)
 
 
 def test_stages_come_after_their_inputs():

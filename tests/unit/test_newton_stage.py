@@ -7,24 +7,8 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import newton_motion
-from fibermelt.study.bead.newton import duration, newton_motions
+from fibermelt.study.bead.newton import newton_motions
 from fibermelt.study.loading import resolve
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [
-        (0.0, "less than 1 s"),
-        (0.99, "less than 1 s"),
-        (1.0, "about 1 s"),
-        (42.3, "about 42 s"),
-        (60.0, "about 1 min"),
-        (3599.0, "about 60 min"),
-        (18600.0, "about 5.2 h"),
-    ],
-)
-def test_a_time_to_go(seconds, words):
-    assert duration(seconds) == words
 
 
 def test_time_to_go_is_at_the_pace_so_far(monkeypatch):

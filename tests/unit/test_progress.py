@@ -2,7 +2,7 @@ import io
 
 import pytest
 
-from fibermelt.study.progress import PlainProgress, observing
+from fibermelt.study.progress import PlainProgress, duration, observing
 
 
 class Terminal(io.StringIO):
@@ -47,3 +47,11 @@ def test_the_lines_of_a_long_run_come_less_often():
         observer.tick("sweep", f"{second} cases")
     # Every 10 s up to 500 s, then 2 per cent more each time: 50 and ln(86400 / 500) / ln(1.02).
     assert len(stream.getvalue().splitlines()) == pytest.approx(50 + 260, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(0.0, "0 s"), (89.0, "89 s"), (90.0, "2 min"), (3599.0, "60 min"), (18600.0, "5.2 h")],
+)
+def test_a_time_in_words(seconds, words):
+    assert duration(seconds) == words

@@ -12,7 +12,6 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.tri import TriContourSet
 
 from fibermelt.report.drawing import curves, frame, scene_axes
-from fibermelt.report.lines import study_of
 from fibermelt.report.scene import Window
 from fibermelt.report.style import (
     ATMOSPHERE,
@@ -29,6 +28,7 @@ from fibermelt.report.style import (
     styled,
 )
 from fibermelt.report.surroundings import LEVELS, draw_contours, draw_fiber, net, rotation
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import LinearTriInterpolator
 
 from fibermelt.report.drawing import scene_axes
-from fibermelt.report.lines import against_paper, center_feature, study_of
+from fibermelt.report.lines import against_paper, center_feature
 from fibermelt.report.scene import MM, MPA, Window
 from fibermelt.report.style import (
     ATMOSPHERE,
@@ -41,6 +41,7 @@ from fibermelt.report.surroundings import (
     rotation,
 )
 from fibermelt.report.timeline import SIDES, Side, draw_bound, draw_own, mark_zones, on_fibers, span
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.report.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 from fibermelt.study.claims.summary import has_conditions_of_paper
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +28,6 @@ __all__ = [
     "numbered",
     "regular",
     "rest",
-    "study_of",
 ]
 
 FEATURES, PAPER_COUNT = (4, 10, 18), 22
@@ -62,11 +61,6 @@ class Feature:
     row: int
     number: int
     color: str
-
-
-def study_of(results: xr.Dataset) -> dict[str, Any]:
-    """Return the study that the results hold as tables, in SI; empty if they hold none."""
-    return tomllib.loads(results.attrs.get("config", ""))
 
 
 def features(results: xr.Dataset) -> list[Feature]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from fibermelt.study.progress import duration
 from fibermelt.study.stages import Say
 
 if TYPE_CHECKING:
@@ -17,16 +18,13 @@ if TYPE_CHECKING:
     from fibermelt.fiber.shape import Ellipse
     from fibermelt.history import FlowHistory
 
-__all__ = ["SOLVES_PER_STEP", "duration", "newton_motions"]
+__all__ = ["SOLVES_PER_STEP", "newton_motions"]
 
 SOLVES_PER_STEP = 8
 """Linear solves of a Runge-Kutta step: four stages, each a trial and its correction (Eq. 13-22)."""
 
 SAMPLE = 3
 """Solves timed for the first estimate, before any streamline is done."""
-
-SECONDS = ((3600.0, "h"), (60.0, "min"), (1.0, "s"))
-"""Units of a time to go, from the longest; it is said in the first that it fills."""
 
 
 def newton_motions(
@@ -69,23 +67,15 @@ def newton_motions(
     guess = solves * _seconds_per_solve(system, clock)
     say(
         f"the paper's algorithm, {len(angles)} angles on {len(histories)} streamlines: up to "
-        f"{solves} solves of {system.free.size} unknowns, {duration(guess)}; "
+        f"{solves} solves of {system.free.size} unknowns, about {duration(guess)}; "
         'fiber.path = "superposition" takes seconds'
     )
     start = clock()
     for done, history in enumerate(histories, 1):
         yield follow_newton(system, fiber, history, viscosity, angles)
         left = (clock() - start) / done * (len(histories) - done)
-        to_go = f", {duration(left)} to go" if done < len(histories) else ""
+        to_go = f", about {duration(left)} to go" if done < len(histories) else ""
         say(f"streamline {done} of {len(histories)} done{to_go}")
-
-
-def duration(seconds: float) -> str:
-    """Return a time as one says it, ``"about 5.2 h"``; to two digits, as it is an estimate."""
-    for size, unit in SECONDS:
-        if seconds >= size:
-            return f"about {seconds / size:.2g} {unit}"
-    return "less than 1 s"
 
 
 def _seconds_per_solve(system: CellSystem, clock: Callable[[], float]) -> float:

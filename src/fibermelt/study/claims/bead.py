@@ -13,8 +13,8 @@ from fibermelt.study.claims.quantities import (
     paper_line,
     rank_correlation,
     regular_lines,
-    study_of,
 )
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import numpy as np

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.study.claims.quantities import NotStoredError, Quantity, needing, study_of
+from fibermelt.study.claims.quantities import NotStoredError, Quantity, needing
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import numpy as np

@@ -6,10 +6,9 @@ there as the mesh is refined. The profile in the capillary and the bead downstre
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,7 +25,6 @@ __all__ = [
     "paper_line",
     "rank_correlation",
     "regular_lines",
-    "study_of",
 ]
 
 Quantity = Callable[["xr.Dataset"], float]
@@ -64,11 +62,6 @@ def needing(
         return checked
 
     return declared
-
-
-def study_of(results: xr.Dataset) -> dict[str, Any]:
-    """Return the resolved study that the results hold, as tables."""
-    return tomllib.loads(results.attrs["config"])
 
 
 def regular_lines(results: xr.Dataset) -> NDArray[np.bool_]:

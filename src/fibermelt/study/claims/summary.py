@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.study.claims.judge import Verdict, claims, judge
 from fibermelt.study.parameters import flatten
 from fibermelt.study.toml import as_toml
+from fibermelt.study.variables import study_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +24,7 @@ def has_conditions_of_paper(results: xr.Dataset) -> bool:
     """Tell whether results are of the paper's study, whatever parts of it were computed."""
     from fibermelt.study.loading import load_study  # noqa: PLC0415  the claims' only use of it
 
-    tables = tomllib.loads(results.attrs.get("config", ""))
+    tables = study_of(results)
     paper = tomllib.loads(as_toml(flatten(load_study("paper").config)))
     return all(tables.get(name) == paper[name] for name in CONDITIONS)
 

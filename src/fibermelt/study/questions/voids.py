@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import StoreError
 from fibermelt.study.finished import finished_results
 from fibermelt.study.materials import load_card
+from fibermelt.study.variables import study_of
 from fibermelt.study.voids.config import Voids
 from fibermelt.study.voids.melt import FROM_CARD, MoistMelt, moist_melt
 from fibermelt.study.voids.stages import assess_bead, with_orientation
@@ -76,7 +76,7 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
             "and run it again"
         )
         raise StoreError(msg)
-    study = tomllib.loads(results.attrs["config"])
+    study = study_of(results)
     # A run of before there were voids has no such table.
     usual = Voids.model_validate(study.get("voids", {}))
     melt = _asked(question, usual)
