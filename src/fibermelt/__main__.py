@@ -37,6 +37,9 @@ def _leave(number: int, frame: FrameType | None) -> None:
 
 def _end(code: str | int | None) -> None:
     """Exit with a code, and not by the signal."""
+    if code == INTERRUPTED:
+        # Pressed once more, Ctrl-C would meet what Python does last, and end in a traceback.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Where Ctrl-C met an eval of a text, as dataclasses and named tuples have, Python notes to end
     # by the signal, whoever caught it; the next eval clears the note.
     eval("0")

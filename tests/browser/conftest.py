@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 
 @pytest.fixture(scope="session")
@@ -22,7 +23,9 @@ def chromium() -> Iterator[Any]:
     if path is None:
         pytest.skip("needs Chromium: on Debian, apt-get install chromium")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        browser = driver.chromium.launch(
+            executable_path=path, args=["--no-sandbox"], timeout=1e3 * PATIENCE
+        )
         yield browser
         browser.close()
 
@@ -37,6 +40,7 @@ def opened(chromium: Any, address: str) -> Iterator[Any]:
         context = chromium.new_context(
             viewport={"width": size[0], "height": size[1]}, offline=True, **options
         )
+        context.set_default_timeout(1e3 * PATIENCE)  # milliseconds
         contexts.append(context)
         page = context.new_page()
         page.on("console", lambda message: faults.append(f"console: {message.text}"))

@@ -87,6 +87,11 @@ PRESSED = [
     ("fibermelt.study.sweep.runner", "pass"),
     # Python would end by the signal after this, though it is caught
     ("fibermelt.study.sweep.runner", "eval('os.kill(os.getpid(), signal.SIGINT)')"),
+    # once more, in the last that Python does
+    (
+        "fibermelt.study.sweep.runner",
+        "__import__('atexit').register(os.kill, os.getpid(), signal.SIGINT)",
+    ),
 ]
 
 

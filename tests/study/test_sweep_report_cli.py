@@ -94,7 +94,7 @@ def test_fibers_are_swept_into_a_report_with_claims(tmp_path):
     study, out = fake_sweeps.study_file(tmp_path, FIBERS), tmp_path / "out"
     done = fibermelt("sweep", study, "--out", out, "--workers", 0)
     assert (done.exit_code, "4 of 4 done" in done.stdout) == (0, True)
-    page = (out / "report.html").read_text()
+    page = (out / "report.html").read_text("utf-8")
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
     assert "2 × 2 cases: every combination." in words
     # Bay's coefficient is that of the paper's content and aspect ratio, and of no other.

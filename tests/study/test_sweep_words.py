@@ -273,7 +273,7 @@ def test_one_case_is_one_case(tmp_path):
     done = fibermelt("sweep", study, "--out", tmp_path / "out", "--workers", 0)
     assert "sweep: 1 case\n" in done.stderr
     assert "sweep: 1 of 1 case done, 0 failed" in done.stderr
-    assert "1 of 1 case has an answer" in (tmp_path / "out" / "report.html").read_text()
+    assert "1 of 1 case has an answer" in (tmp_path / "out" / "report.html").read_text("utf-8")
 
 
 def test_what_cases_cost_is_added_up_over_runs(tmp_path):
