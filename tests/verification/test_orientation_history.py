@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
 from fibermelt.history import simple_shear
+from fibermelt.orientation import evolve
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.evolve import follow_orientation
 from fibermelt.orientation.flows import FLOWS
@@ -148,3 +149,14 @@ def test_no_tensors_at_all() -> None:
     )
     assert found.a.shape == (0, 5, 3, 3)
     assert found.error.shape == (0,)
+
+
+def test_why_no_step_is_taken_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Aligned fibers turn along the edge of the true tensors; a Runge-Kutta stage lies beyond."""
+    monkeypatch.setattr(evolve, "MOST_STEPS", 20)
+    aligned = np.diag([1.0, 0.0, 0.0])
+    with pytest.raises(ConvergenceError, match=r"refused, exact closure: .* perfectly aligned"):
+        follow_orientation(Jeffery(XI), EXACT, simple_shear(1.0, 2.0, 5), aligned)
+    nearly = np.diag([1.0 - 2e-4, 1e-4, 1e-4])
+    found = follow_orientation(Jeffery(XI), EXACT, simple_shear(1.0, 2.0, 5), nearly)
+    assert found.violation == 0.0

@@ -150,6 +150,7 @@ class _Run:
         self.model, self.closure, self.gradient = model, closure, gradient
         self.duration, self.rtol, self.atol = duration, rtol, atol
         self.step, self.steps, self.rejected = 1.0, 0, 0
+        self.refusal = ""
 
     def along(self, time: Array, a: Array) -> OrientationHistory:
         """Return the tensors at all points, from ``a`` (..., 3, 3) at the first."""
@@ -179,7 +180,7 @@ class _Run:
     def _over(self, k: int, a: Array, rate: Array, time: Array) -> tuple[Array, Array, Array]:
         """Return tensor and rate at the end of interval ``k``, and the error added on it."""
         longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
-        self.step = min(self.step, longest)
+        self.step, self.refusal = min(self.step, longest), ""
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
         while u < 1.0:
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
@@ -210,7 +211,8 @@ class _Run:
             state = a + dt * _combined(weights, rates)
             try:
                 rates.append(self._rate(state, k, u + node * h))
-            except ConfigError:  # a stage left the tensors for which the closure is defined
+            except ConfigError as error:  # a stage left the tensors that the closure is defined for
+                self.refusal = f"; of the last step that was refused, {error}"
                 return a, rate, np.full_like(a, np.inf)
         return state, rates[-1], dt * _combined(DIFFERENCE, rates)
 
@@ -221,7 +223,7 @@ class _Run:
                 f"orientation with {self.model.name} and closure {self.closure.name}: the interval "
                 f"from t = {time:.6g} s needs steps below {SMALLEST_STEP:.1e} of it or more than "
                 f"{MOST_STEPS}: loosen the tolerance, give the history more points there, or take "
-                "another closure"
+                f"another closure{self.refusal}"
             )
             raise ConvergenceError(msg)
 

@@ -157,8 +157,8 @@ def _positive(values: Array) -> Array:
     if not smallest >= -FLOOR:
         msg = (
             f"exact closure: an orientation tensor has the eigenvalue {smallest:.6g}; no "
-            f"distribution has one below 0 (bound {-FLOOR:g}): take smaller steps or the closure "
-            "ORE, its fit"
+            f"distribution has one below 0 (bound {-FLOOR:g}): take smaller steps, a start that is "
+            "not perfectly aligned, or the closure ORE, its fit"
         )
         raise ConfigError(msg)
     return np.maximum(values, FLOOR)
