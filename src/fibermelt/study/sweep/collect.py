@@ -91,7 +91,7 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """
     _refuse_no_parent(path)
     with storage_errors(path):
-        if path.exists() and not path.read_bytes().startswith(HDF5):
+        if path.exists() and _start_of(path, len(HDF5)) != HDF5:
             msg = f"{path}: is there and no dataset; it is not overwritten: name another with --to"
             raise StoreError(msg)
     replace_file(path, to_bytes(dataset))
@@ -124,10 +124,20 @@ def write_zarr(dataset: xr.Dataset, path: Path) -> None:
             dataset.to_zarr(temporary, mode="w", consolidated=True, zarr_format=2)
             if path.exists():
                 path.rename(old)
-            temporary.rename(path)
+            try:
+                temporary.rename(path)
+            except OSError:
+                if old.exists():
+                    old.rename(path)
+                raise
         finally:
             remove(temporary)
             remove(old)
+
+
+def _start_of(path: Path, count: int) -> bytes:
+    with path.open("rb") as stream:
+        return stream.read(count)
 
 
 def _refuse_no_parent(path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from fibermelt.study.loading import Study
     from fibermelt.study.parts import Chain
     from fibermelt.study.sweep.design import Sweep
+    from fibermelt.study.sweep.store import Failure
 
 __all__ = ["list_plan", "list_unneeded", "remove_unneeded", "sweep_status"]
 
@@ -55,21 +57,8 @@ def list_plan(
     """
     plan = plan_sweep(sweep, study, chain)
     cases = CaseStore(directory)
-    done, failures = cases.refresh(), cases.failures()
-    each, pending = [], []
-    for case in plan.cases:
-        failed = any(key in failures for key in case.keys.values())
-        each.append(
-            {
-                "case": case.index + 1,
-                "id": case.id,
-                "point": dict(case.point),
-                "stages": {name: key[:12] for name, key in case.keys.items()},
-                "status": "done" if case.result in done else "failed" if failed else "pending",
-            }
-        )
-        if each[-1]["status"] == "pending":
-            pending.append(case)
+    each = _each(plan, cases.refresh(), cases.failures())
+    pending = [plan.cases[case["case"] - 1] for case in each if case["status"] == "pending"]
     counts = Counter(case["status"] for case in each)
     kept = Counter(job.stage for job in plan.jobs.values())
     stored = Counter(
@@ -98,6 +87,25 @@ def list_plan(
         "estimate": {**asdict(estimate(plan, directory, pending, workers)), "workers": workers},
         "each": each,
     }
+
+
+def _each(
+    plan: Plan, done: Collection[str], failures: Mapping[str, Failure]
+) -> list[dict[str, Any]]:
+    """Return what is told of every case of a plan."""
+    told = []
+    for case in plan.cases:
+        failed = any(key in failures for key in case.keys.values())
+        told.append(
+            {
+                "case": case.index + 1,
+                "id": case.id,
+                "point": dict(case.point),
+                "stages": {name: key[:12] for name, key in case.keys.items()},
+                "status": "done" if case.result in done else "failed" if failed else "pending",
+            }
+        )
+    return told
 
 
 def _warm(plan: Plan, stage: str) -> dict[str, int]:
