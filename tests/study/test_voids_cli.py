@@ -1,6 +1,7 @@
 """`fibermelt voids` on a finished coarse study, through the command line."""
 
 import json
+import shlex
 import shutil
 from pathlib import Path
 
@@ -112,6 +113,18 @@ def test_pressures_that_stay_those_of_the_run_are_said_to(finished, options, kel
 def test_nothing_is_held_of_the_melt_that_was_run(finished):
     same = ("--material", "abs-cf13", "--temperature", "230 degC", "--moisture", "0.1 %")
     assert "held" not in asked(finished[0], *same)
+    assert "held" not in asked(finished[0], "--temperature", "446 degF")
+
+
+def test_the_run_that_is_told_of_is_one_that_can_be(finished):
+    """PEI melts where the study's own card ends, and has no moisture as received."""
+    folder, _ = finished
+    held = asked(folder, "--material", "pei", "--moisture", "0.05 %")["held"]
+    told = held[held.index("fibermelt run ") :].replace("melt.viscosity=...", "melt.viscosity=500")
+    _, _, study, *sets = shlex.split(told.removesuffix(" --out ..."))
+    valid = fibermelt("validate", study, *sets, folder=folder)
+    assert (valid.returncode, valid.stderr) == (0, "")
+    assert "voids.material=pei" in sets
 
 
 def test_a_card_of_ones_own(finished):

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,16 +16,20 @@ from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.surroundings import surroundings
 from fibermelt.report.alignment import (
     STARTS,
+    alignment_words,
     figure_alignment,
     isotropic_angles,
     within_quarter_turn,
 )
+from fibermelt.report.cell import cell_words
 from fibermelt.report.extremes import EXTREMES, extremes_words, figure_extremes
 from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.lines import features, regular
-from fibermelt.report.positions import figure_positions, worst_places
-from fibermelt.report.profiles import figure_profiles, relative_angle
+from fibermelt.report.positions import figure_positions, positions_words, worst_places
+from fibermelt.report.profiles import figure_profiles, profiles_words, relative_angle
 from fibermelt.report.spread import MEAN, MEDIAN
+from fibermelt.report.streamlines import streamlines_words
+from fibermelt.report.style import Words
 from fibermelt.report.surroundings import read_instant
 from fibermelt.report.timeline import on_fibers
 
@@ -250,3 +256,30 @@ def test_fibers_in_space_are_drawn() -> None:
     assert "out of the plane" not in history_words(flat).caption
     for draw in (figure_history, figure_profiles, figure_alignment):
         assert draw(space).axes
+
+
+@pytest.mark.parametrize(
+    "words", [alignment_words, extremes_words, positions_words, streamlines_words]
+)
+def test_corners_are_told_of_where_a_streamline_passes_one(
+    results: xr.Dataset, words: Callable[[xr.Dataset], Words]
+) -> None:
+    near = results["near_singularity"]
+    assert "singular corner" in words(results.assign(near_singularity=near * 0 + 1)).caption
+    assert "singular corner" not in words(results.assign(near_singularity=near * 0)).caption
+
+
+def test_both_ways_across_are_told_to_be_one_fiber_where_they_enter(results: xr.Dataset) -> None:
+    start = results["initial_angle"]
+    edges = np.linspace(-0.5 * np.pi, 0.5 * np.pi, start.size)
+    told = "Fibers that enter at ±90° are the same fiber."
+    assert told in profiles_words(results.assign_coords(initial_angle=edges)).caption
+    assert told not in profiles_words(results.assign_coords(initial_angle=edges / 2)).caption
+
+
+def test_a_circle_is_told_no_worst_orientation(results: xr.Dataset) -> None:
+    told = "the orientation with the lowest pressure"
+    assert told in cell_words(results).caption
+    circle = results.assign(aspect_ratio=results["aspect_ratio"] * 0 + 1.0)
+    assert told not in cell_words(circle).caption
+    assert "as at any other; the lowest pressure is" in cell_words(circle).caption

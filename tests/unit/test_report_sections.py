@@ -22,6 +22,7 @@ from fibermelt.report.sections import FURTHER, SECTIONS, told
 from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
 from fibermelt.report.tables import fixed, number, percent, short
+from fibermelt.report.voids import voids_words
 from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
 from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
 from fibermelt.study.voids.advice import advice
@@ -341,3 +342,15 @@ def test_each_figure_stands_once_and_where_it_belongs(bead: xr.Dataset) -> None:
 def test_what_is_not_stored_is_left_out(bead: xr.Dataset) -> None:
     found = {one.section.name for one in told(bead, stored_summary(bead, claims=False), {})}
     assert found == {"numbers", "cost", "versions", "sources"}
+
+
+def test_one_streamline_is_one_and_has_no_layers_to_compare(
+    bead: xr.Dataset, risk: dict[str, Any]
+) -> None:
+    layers = risk["voids"]["profile"]
+    alike = [{**layer, "fiber_pressure": layers[0]["fiber_pressure"]} for layer in layers]
+    found = {**risk, "voids": {**risk["voids"], "profile": alike}}
+    assert "layer by layer" in answer(bead, risk)
+    assert "layer by layer" not in answer(bead, found)
+    assert "on 1 streamline." in answer(bead, {**risk, "streamlines": risk["streamlines"][:1]})
+    assert "the 0 streamlines" not in voids_words(bead.assign(near_singularity=0)).caption

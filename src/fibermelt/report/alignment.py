@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from fibermelt.report.lines import ZONES, initial_angles, numbered, regular
+from fibermelt.report.lines import ZONES, at_corners, initial_angles, regular
 from fibermelt.report.spread import by_streamline, draw_fibers, draw_mean, spread_key
 from fibermelt.report.style import (
     BAND,
@@ -138,15 +138,14 @@ def alignment_words(results: xr.Dataset) -> Words:
             f"at zone {zone + 1} half of them within {half[steady].min():.0f}° to "
             f"{half[calm]:.0f}°, the latter on streamline {int(results['streamline'][calm])}"
         )
+    near = at_corners(results, "Diamonds: streamlines", ", near a singular corner.")
     return Words(
         caption=(
             "Fig. 20 of the paper: angle of the fibers to the streamline at zones 1 to 3, by "
             f"streamline, for fibers of {initial_angles(results)} (points; line: their mean). "
             "Bounds over all initial angles would be the whole half turn, as every direction is "
             "that of some start; the bands hold the middle shares of evenly spread starts, exact "
-            "by the one linear map that all directions of a streamline share. Diamonds: "
-            f"streamlines {numbered(results, results['near_singularity'].to_numpy() > 0)}, near a "
-            "singular corner."
+            f"by the one linear map that all directions of a streamline share.{near}"
         ),
         alt=(
             "Three charts by streamline of the fibers' angles to it, either way: "

@@ -67,14 +67,14 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
     parts = values["study.parts"]
     if "flow" not in summary:
         return f"No bead: {', '.join(PARTS.get(part, part) for part in parts)}."
-    length = 2e6 * values["fiber.half_length"]
+    length, count = 2e6 * values["fiber.half_length"], len(summary["streamlines"])
     return (
         f"A bead {fixed(MM * summary['flow']['bead_height'], 2)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
         f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
         f"{short(values['melt.viscosity'])} Pa s; fibers {short(length)} µm long, of aspect "
         f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
-        f"{len(summary['streamlines'])} streamlines."
+        f"{count} streamline{'' if count == 1 else 's'}."
     )
 
 
@@ -168,6 +168,8 @@ def _where(found: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
     low, high = (
         extreme(layers, key=lambda layer: float(layer["fiber_pressure"])) for extreme in (min, max)
     )
+    if low["fiber_pressure"] == high["fiber_pressure"]:
+        return f"{told}."
     return (
         f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
         f"{fixed(MM * low['height'], 1)} mm and highest {fixed(MM * high['height'], 1)} mm "

@@ -190,12 +190,18 @@ def cell_words(results: xr.Dataset) -> Words:
             f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
             f"{_meshed(results)}, in the fiber's axes."
         )
+    # A circle has no direction: where its pressure is lowest, rounding says.
+    lowest = (
+        f"the orientation with the lowest pressure, {found.pressure:.2f} μγ̇ at the eccentric "
+        f"angle {where:.1f}° of the surface"
+        if aspect > 1
+        else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
+    )
     return Words(
         caption=(
             f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
-            f"shear with the fiber at {angle:.1f}° to the flow, the orientation with the lowest "
-            f"pressure, {found.pressure:.2f} μγ̇ at the eccentric angle {where:.1f}° of the "
-            "surface. Red: lower than the melt's own pressure."
+            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
+            "melt's own pressure."
         ),
         alt=(
             f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "

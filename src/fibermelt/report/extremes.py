@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from fibermelt.report.lines import against_paper, initial_angles, numbered, regular
+from fibermelt.report.lines import against_paper, at_corners, initial_angles, regular
 from fibermelt.report.scene import MPA
 from fibermelt.report.spread import draw_spread, extreme_of, spread_key, spread_limits
 from fibermelt.report.style import FULL, Words, add_axes, key_above, letter, new_figure, styled
@@ -66,7 +66,12 @@ def _beyond(results: xr.Dataset) -> str:
 
 def extremes_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_extremes`."""
-    near = numbered(results, results["near_singularity"].to_numpy() > 0)
+    near = at_corners(
+        results,
+        "Diamonds, left out of lines and scales: streamlines",
+        ", near a singular corner, whose values depend on the mesh; what is off the scale is told "
+        "as a number.",
+    )
     value = MPA * extreme_of(results, "extreme", 1, "min", "initial_angle")
     width = np.where(regular(results), np.ptp(value, axis=1), -1.0)
     widest = int(np.argmax(width))
@@ -83,9 +88,7 @@ def extremes_words(results: xr.Dataset) -> Words:
             f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median red), "
             "above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: the "
             "exact bounds over every orientation, from the mildest to the worst. Narrow band: "
-            "quantiles of an isotropic start. Diamonds, left out of lines and scales: streamlines "
-            f"{near}, near a singular corner, whose values depend on the mesh; what is off the "
-            f"scale is told as a number.{_beyond(results)}{beside}"
+            f"quantiles of an isotropic start.{near}{_beyond(results)}{beside}"
         ),
         alt=(
             "Four charts by streamline. Away from singular corners the mean over the initial "

@@ -20,6 +20,7 @@ __all__ = [
     "ZONES",
     "Feature",
     "against_paper",
+    "at_corners",
     "at_time",
     "center_feature",
     "features",
@@ -100,6 +101,12 @@ def regular(results: xr.Dataset) -> NDArray[np.bool_]:
 def numbered(results: xr.Dataset, rows: NDArray[np.bool_]) -> str:
     """Return the numbers of the streamlines chosen, in words."""
     return ", ".join(str(number) for number in results["streamline"].to_numpy()[rows]) or "none"
+
+
+def at_corners(results: xr.Dataset, before: str, after: str) -> str:
+    """Return what is told of the streamlines near a singular corner, nothing if there is none."""
+    near = results["near_singularity"].to_numpy() > 0
+    return f" {before} {numbered(results, near)}{after}" if near.any() else ""
 
 
 def rest(results: xr.Dataset) -> Iterator[int]:

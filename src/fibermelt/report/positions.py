@@ -20,7 +20,7 @@ from fibermelt.report.drawing import (
     scene_axes,
 )
 from fibermelt.report.extremes import EXTREMES
-from fibermelt.report.lines import against_paper, initial_angles, numbered, regular
+from fibermelt.report.lines import against_paper, at_corners, initial_angles, regular
 from fibermelt.report.scene import MM, MPA, Scene, Window, read_scene
 from fibermelt.report.spread import extreme_of, spread_limits
 from fibermelt.report.streamlines import draw_zones
@@ -176,15 +176,16 @@ def positions_words(results: xr.Dataset) -> Words:
         "The paper's text has (d) about 0.5 mm below the exit, nearly evenly; here the means lie "
         f"{below.min():.2f} to {below.max():.2f} mm below it.",
     )
+    near = at_corners(
+        results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
+    )
     return Words(
         caption=(
             f"Fig. 19 of the paper: where fibers of {initial_angles(results)} meet the extremes of "
             "pressure on their surface, less the melt's own, on all streamlines; dashed: zones. "
             "Crosses: where the bound over every orientation is reached, on some at mid-capillary, "
-            "where Loc. 1 ends and Loc. 2 begins. Diamonds, left out of the "
-            f"means: streamlines {numbered(results, results['near_singularity'].to_numpy() > 0)}, "
-            "near a singular corner. The exact range of the places over all initial angles is not "
-            f"stored.{left_out}{beside}"
+            f"where Loc. 1 ends and Loc. 2 begins.{near} The exact range of the places over all "
+            f"initial angles is not stored.{left_out}{beside}"
         ),
         alt=(
             "Four outlines of the capillary and the gap with a point for every fiber. Mean places "

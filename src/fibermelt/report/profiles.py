@@ -169,6 +169,9 @@ def profiles_words(results: xr.Dataset) -> Words:
         )
     stay = np.diff(results["zone_time"].to_numpy())[:, 1]
     stays = ", ".join(f"{stay[feature.row]:.3f} s" for feature in marked)
+    # Both ways across: entering angles are stored in radians, rounded at most in the last digit.
+    across = np.isclose(np.abs(results["initial_angle"].to_numpy()), 0.5 * np.pi)
+    same = " Fibers that enter at ±90° are the same fiber." if across.sum() > 1 else ""
     beside = against_paper(
         results,
         "The paper's text has fibers on its center streamline depend most on the initial angle, "
@@ -182,7 +185,7 @@ def profiles_words(results: xr.Dataset) -> Words:
             "to the streamline, each curve shifted by half turns so that it ends within 90°, as "
             "the paper does. Bands reach from the melt's own pressure to the bound over every "
             "orientation; angles have no such bound, as every direction is at all times that of "
-            "some fiber. Fibers that enter at ±90° are the same fiber. Each streamline has its own "
+            f"some fiber.{same} Each streamline has its own "
             "time scale, from where something happens to behind zone 3."
             f"{beside}"
         ),

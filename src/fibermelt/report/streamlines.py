@@ -21,7 +21,7 @@ from fibermelt.report.drawing import (
     scene_axes,
     zone_badge,
 )
-from fibermelt.report.lines import ZONES, at_time, features, named, numbered, rest
+from fibermelt.report.lines import ZONES, at_corners, at_time, features, named, rest
 from fibermelt.report.scene import MM, Scene, Window, read_scene
 from fibermelt.report.style import (
     GREY,
@@ -152,15 +152,17 @@ def streamlines_words(results: xr.Dataset) -> Words:
     marked = ", ".join(str(feature.number) for feature in features(results))
     end = results["time"].to_numpy()[:, -1]
     zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
-    flagged = numbered(results, results["near_singularity"].to_numpy() > 0)
+    lines = f"{count} streamline{'' if count == 1 else 's'}"
+    near = at_corners(
+        results, "Near a singular corner, and so dependent on the mesh: streamlines", "."
+    )
     return Words(
         caption=(
-            f"Fig. 2b of the paper: {count} streamlines of the same share of the flux, numbered "
+            f"Fig. 2b of the paper: {lines} of the same share of the flux, numbered "
             f"from the left edge; {marked} are marked, in the same colours in every figure. "
             f"Dashed: zones ({zones}). Points: where the fibers of all initial angles meet their "
             "lowest surface pressure against the melt around them, above the middle of the "
-            "capillary (Loc. 1) and below it (Loc. 2). Near a singular corner, and so dependent on "
-            f"the mesh: streamlines {flagged}."
+            f"capillary (Loc. 1) and below it (Loc. 2).{near}"
         ),
         alt=(
             "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "

@@ -218,15 +218,16 @@ def voids_words(results: xr.Dataset) -> Words:
             f"{MPA * worst[deepest]:.2f} MPa, {height[deepest]:.2f} mm above the bed."
         )
     count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
+    without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
+    thick, out = (f"; {without}with them", ", without those streamlines") if count else ("", "")
     return Words(
         caption=(
             f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
             f"whose vapor pressure is {vapor:.3f} MPa. (a, b) Lowest local pressure on a fiber "
             "less vapor pressure: red where a bubble can grow, a black line where the two are "
             "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
-            f"the finished bead; thick without the {count} streamlines that pass close by a "
-            "singular corner, thin with them. (d) Moisture below which no bubble can grow in a "
-            "layer, without those streamlines. Pressures are absolute."
+            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
+            f"layer{out}. Pressures are absolute."
         ),
         alt=(
             "Two maps of the bead and two profiles over its height. The pressure on fibers is "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import StoreError
 from fibermelt.study.finished import finished_results
-from fibermelt.study.materials import load_card
+from fibermelt.study.materials import load_card, material_names
 from fibermelt.study.variables import study_of
 from fibermelt.study.voids.config import Voids
 from fibermelt.study.voids.melt import FROM_CARD, MoistMelt, moist_melt
@@ -24,6 +25,10 @@ __all__ = ["VoidQuestion", "answer_voids"]
 
 STAGES = ("streamlines", "cell", "motion")
 """Whose data the results of a bead hold together."""
+
+
+SAME_TEMPERATURE = 1e-9
+"""Part by which temperatures may differ and be one: 446 degF is 230 degC but for a rounding."""
 
 
 @dataclass(frozen=True)
@@ -84,14 +89,31 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
     fed = STAGES + with_orientation({"study.parts": tuple(study["study"]["parts"])})
     found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
     answer = _summary(found, results)
-    if (melt.card.key, melt.temperature) != _of_study(usual):
+    card, temperature = _of_study(usual)
+    is_as_run = math.isclose(melt.temperature, temperature, rel_tol=SAME_TEMPERATURE)
+    if melt.card.key != card or not is_as_run:
         answer["held"] = (
             f"the local pressures, those of the run's melt, melt.viscosity = {viscosity:g} Pa s; "
             "for those of the melt that is asked for, give its viscosity there: fibermelt run "
-            f"{shlex.quote(str(directory / 'config.toml'))} --set melt.viscosity=... --set "
-            f'voids.temperature="{melt.temperature:g} K" --out ...'
+            f"{shlex.quote(str(directory / 'config.toml'))} --set melt.viscosity=..."
+            f"{_settings(melt, card)} --out ..."
         )
     return answer
+
+
+def _settings(melt: MoistMelt, card: str) -> str:
+    """Return what a run needs besides its viscosity to be of a melt, on the command line.
+
+    A study knows shipped cards only; pressures do not depend on the card, so that a run of the
+    viscosity alone may be asked about any.
+    """
+    temperature = f' --set voids.temperature="{melt.temperature:g} K"'
+    if melt.card.key == card:
+        return temperature
+    if melt.card.key not in material_names():
+        return ""
+    moisture = f" --set voids.moisture={melt.moisture:g}"
+    return f"{temperature} --set voids.material={melt.card.key}{moisture}"
 
 
 def _of_study(usual: Voids) -> tuple[str, float]:
