@@ -131,6 +131,18 @@ def test_far_node_reference() -> None:
     assert node.pressure[far] == pytest.approx(0.0, abs=1e-9 * node.tip_pressure)
 
 
+def test_where_the_reference_node_lies_moves_the_tip_pressure() -> None:
+    """By -12 percent ahead of the tips to +7 beside the fiber: the paper prints no place (Eq. 7)."""
+    cell = solve_cell(FIBER, 4.0, CellNumerics(estimate=False))
+    on_edge = np.abs(np.hypot(*cell.points.T) - 2.0) < 1e-6  # how well order 7 follows the wall
+    stretching = cell.pressure[on_edge, 0]
+    assert stretching[np.argmax(cell.points[on_edge, 0])] == pytest.approx(stretching.min())
+    assert stretching[np.argmax(cell.points[on_edge, 1])] == pytest.approx(stretching.max())
+    tip = cell.response.basis[:, 0].min()
+    moved = [(tip - level) / tip - 1.0 for level in (stretching.min(), stretching.max())]
+    assert moved == pytest.approx([-0.119, 0.070], abs=1e-3)
+
+
 def test_newton_and_superposition_on_the_papers_mesh(
     system: CellSystem, papers_cell: CellSolution
 ) -> None:
