@@ -132,7 +132,7 @@ def test_far_node_reference() -> None:
 
 
 def test_where_the_reference_node_lies_moves_the_tip_pressure() -> None:
-    """By -12 percent ahead of the tips to +7 beside the fiber: the paper prints no place (Eq. 7)."""
+    """By -12 percent ahead of the tips to +7 beside the fiber; the paper prints no place."""
     cell = solve_cell(FIBER, 4.0, CellNumerics(estimate=False))
     on_edge = np.abs(np.hypot(*cell.points.T) - 2.0) < 1e-6  # how well order 7 follows the wall
     stretching = cell.pressure[on_edge, 0]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fibermelt.cli.common import JsonOption, columns, say, told
+from fibermelt.cli.common import JsonOption, columns, given_folder, say, told
 
 __all__ = ["voids"]
 
@@ -61,7 +60,7 @@ def voids(
                 None if temperature is None else read_quantity("--temperature", temperature, "K")
             ),
         )
-        answer = answer_voids(Path(folder), question)
+        answer = answer_voids(given_folder(folder), question)
         say(
             json.dumps(answer, indent=1)
             if as_json
