@@ -140,11 +140,15 @@ class StallCurve:
         M = self._largest_with(1.0 / math.cos(2.0 * angle))
         if M is None:
             reached = self.stall_angle(self._scan())
-            largest = "none" if np.all(np.isnan(reached)) else f"up to {np.nanmax(reached):.4f} rad"
+            what = (
+                "tumbles in every cell: take a longer fiber"
+                if np.all(np.isnan(reached))
+                else f"stalls at up to {np.nanmax(reached):.4f} rad: less interaction (a smaller "
+                "C_I) makes the angle smaller"
+            )
             msg = (
                 f"stall angle = {angle:.4f} rad: no cell stalls a fiber of r_e = "
-                f"{self.fiber_aspect_ratio:g} there; from M = {self.domain_size[0]:g} on it stalls "
-                f"at {largest}. A larger angle needs a smaller cell, or less interaction"
+                f"{self.fiber_aspect_ratio:g} there; from M = {self.domain_size[0]:g} on it {what}"
             )
             raise ConfigError(msg)
         return M

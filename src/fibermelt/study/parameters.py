@@ -157,7 +157,8 @@ class Section(BaseModel):
             for i, item in enumerate(items, 1):
                 _refuse_beyond(item, extra, f"item {i} = {excerpt(item)} {extra['unit']}".rstrip())
             return items
-        if not extra.get("quantity") or value in extra["words"]:
+        is_word = value in extra.get("words", ())
+        if not extra.get("quantity") or is_word or isinstance(extra["written"], list):
             return value
         number = _resolved_for_pydantic(value, extra)
         _refuse_beyond(number, extra)
