@@ -1,5 +1,7 @@
 """What holds for all tests."""
 
+import signal
+
 from examples_drawn import FUZZ
 from hypothesis import HealthCheck, settings
 
@@ -13,3 +15,8 @@ settings.register_profile(
     max_examples=FUZZ * settings.default.max_examples,
 )
 settings.load_profile("untimed")
+
+# Who starts tests in the background of a shell has what they start ignore Ctrl-C.
+for _name in ("SIGINT", "SIGHUP", "SIGTERM"):
+    if signal.getsignal(getattr(signal, _name)) is signal.SIG_IGN:
+        signal.signal(getattr(signal, _name), signal.SIG_DFL)
