@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.errors import ConfigError, FibermeltError
 from fibermelt.study.sweep import schedulers
-from fibermelt.study.sweep.pools import MOST_PER_CORE, Died, _Cluster, cores, open_pool
+from fibermelt.study.sweep.cluster import Cluster, Died
+from fibermelt.study.sweep.pools import MOST_PER_CORE, cores, open_pool
 
 
 @pytest.mark.parametrize("address", ["foo://x", "tcp://", "tcp://host", "tcp://host:port"])
@@ -127,7 +128,7 @@ class Failing:
 @pytest.mark.parametrize("error", schedulers.GONE)
 def test_a_scheduler_that_goes_while_it_is_asked_is_gone(tmp_path, error):
     """For the number of its workers, or for what a task has found."""
-    pool = _Cluster(Failing(error("Stream is closed")), "tcp://host:8786", tmp_path)
+    pool = Cluster(Failing(error("Stream is closed")), "tcp://host:8786", tmp_path)
     pool.submit("a task")
     for asked in (pool.threads, partial(pool.next, 0.0)):
         with pytest.raises(FibermeltError, match="scheduler tcp://host:8786 is gone: finished"):
@@ -136,10 +137,28 @@ def test_a_scheduler_that_goes_while_it_is_asked_is_gone(tmp_path, error):
 
 def test_workers_that_die_of_a_task_whose_answer_was_lost_are_told_so(tmp_path):
     """Who had the answer died before it was fetched, and who tried again was killed."""
-    pool = _Cluster(Failing(KilledWorker("a task", None, 3)), "of this machine", tmp_path)
+    pool = Cluster(Failing(KilledWorker("a task", None, 3)), "of this machine", tmp_path)
     pool.submit("a task")
     task, outcome = pool.next(0.0)
     assert (task, type(outcome)) == ("a task", Died)
+
+
+class Deserted(Failing):
+    """A client of a scheduler without workers."""
+
+    def __init__(self):
+        super().__init__(None)
+
+    def nthreads(self):
+        return {}
+
+
+def test_workers_are_not_waited_for_without_end(tmp_path):
+    """But in the queue of a cluster of other people, that may be days."""
+    assert Cluster(Deserted(), "tcp://host:8786", tmp_path).threads() == 0
+    message = r"no worker has been up for 0 minutes.*finished cases are kept.*resume"
+    with pytest.raises(FibermeltError, match=message):
+        Cluster(Deserted(), "of this machine", tmp_path, 0.0).threads()
 
 
 @pytest.mark.parametrize("workers", [-1, MOST_PER_CORE * cores() + 1, 10**9])

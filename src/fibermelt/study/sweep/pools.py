@@ -7,26 +7,23 @@ from __future__ import annotations
 
 import logging
 import os
-import queue
 import signal
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
-from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.sweep.schedulers import CONNECT, GONE, connect, distributed
+from fibermelt.errors import ConfigError
+from fibermelt.study.sweep.cluster import Cluster, Died
+from fibermelt.study.sweep.schedulers import CONNECT, connect, distributed
 from fibermelt.study.sweep.scratch import scratch_folder
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
 __all__ = ["Died", "Pool", "cores", "open_pool", "refuse_workers"]
-
-COUNT_AGAIN = 5.0
-"""Time [s] after which the workers are counted again: on a cluster they come and go."""
 
 MOST_PER_CORE = 64
 """Workers on a core of this machine, at most: each is a process of 150 MB and of seconds to start,
@@ -39,6 +36,14 @@ another sweep has it."""
 DEATHS = 3
 """Workers that may die over a task before it is given up, as dask counts them."""
 
+COME_BACK = "1 d"
+"""Time after which dask does without a worker that was killed and is not back, for good: its own
+15 s are too few on a busy machine, and the sweep would be left without any."""
+
+WITHOUT_WORKERS = 600.0
+"""Time [s] without any worker after which this machine is taken to start none any more. Those of
+other schedulers may wait for their turn in a queue for days."""
+
 
 def cores() -> int:
     """Return the cores of this machine that we may use: workers, unless told otherwise."""
@@ -47,15 +52,6 @@ def cores() -> int:
     except ImportError:
         return os.cpu_count() or 1
     return int(CPU_COUNT)
-
-
-COME_BACK = "1 d"
-"""Time after which dask does without a worker that was killed and is not back, for good: its own
-15 s are too few on a busy machine, and the sweep would be left without any."""
-
-
-class Died:
-    """In place of outcomes: the workers that had a task were killed, one after the other."""
 
 
 class Pool(Protocol):
@@ -92,78 +88,6 @@ class _Here:
             return None
         task = self._waiting.popleft()
         return task, fulfil(task)
-
-
-class _Cluster:
-    """Workers of dask.distributed."""
-
-    def __init__(self, client: Any, where: str, folder: Path) -> None:
-        self._client = client
-        self._where, self._folder = where, folder
-        self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
-        self._futures: set[Any] = set()
-        self._threads, self._counted = 0, -COUNT_AGAIN
-
-    def threads(self) -> int:
-        """Return the number of threads of all workers; there may be none yet."""
-        now = time.monotonic()
-        if now - self._counted > COUNT_AGAIN:
-            self._check()
-            self._threads = sum(self._asked(self._client.nthreads).values())
-            self._counted = now
-        return self._threads
-
-    def submit(self, task: Task) -> None:
-        """Send it to the scheduler."""
-        self._check()
-        future = self._client.submit(_on_worker, task, pure=False)
-        self._futures.add(future)
-        future.add_done_callback(lambda done: self._finished.put((task, done)))
-
-    def next(self, timeout: float) -> tuple[Task, list[Outcome] | Died] | None:
-        """Wait for a task; nothing hangs when the scheduler is gone."""
-        try:
-            task, future = self._finished.get(timeout=timeout)
-        except queue.Empty:
-            self._check()
-            return None
-        self._futures.discard(future)
-        try:
-            if future.status == "error":
-                raise future.exception()
-            return task, self._asked(future.result)
-        except distributed().KilledWorker:
-            return task, Died()
-
-    def _asked(self, question: Callable[[], Any]) -> Any:
-        """Return what the scheduler answers, or raise that it is gone: it may go meanwhile."""
-        try:
-            return question()
-        except GONE as error:
-            raise self._lost() from error
-
-    def _check(self) -> None:
-        """Raise if the scheduler is gone."""
-        link = self._client.scheduler_comm
-        if self._client.status != "running" or link is None or link.comm.closed():
-            raise self._lost()
-
-    def _lost(self) -> FibermeltError:
-        return FibermeltError(
-            f"the scheduler {self._where} is gone: finished cases are kept; go on with fibermelt "
-            f"resume {self._folder}, with --scheduler where there is another one"
-        )
-
-
-def _on_worker(task: Task) -> list[Outcome]:
-    """Do a task on a worker of dask.
-
-    Inside one, xarray would ask the scheduler for a lock on every file, also those in memory.
-    """
-    import dask  # noqa: PLC0415  lazy: see the module
-
-    with dask.config.set(scheduler="synchronous"):
-        return fulfil(task)
 
 
 def refuse_workers(workers: int | None, scheduler: str | None) -> None:
@@ -244,7 +168,7 @@ def open_pool(workers: int | None, scheduler: str | None, folder: Path) -> Itera
 
 
 @contextmanager
-def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
+def _local(workers: int | None, folder: Path) -> Iterator[Cluster]:
     """Yield a cluster on this machine, which goes with this process however that ends."""
     dd = distributed()
     with scratch_folder() as scratch, ExitStack() as stack:
@@ -263,7 +187,7 @@ def _local(workers: int | None, folder: Path) -> Iterator[_Cluster]:
                 )
                 client = dd.Client(stack.enter_context(cluster), set_as_default=False)
                 stack.enter_context(client)
-            yield _Cluster(client, "of this machine", folder)
+            yield Cluster(client, "of this machine", folder, WITHOUT_WORKERS)
         finally:
             # Ctrl-C once more must not leave it half closed.
             with _without_interrupts():
@@ -291,11 +215,11 @@ def _without_interrupts() -> Iterator[None]:
 
 
 @contextmanager
-def _remote(scheduler: str, folder: Path) -> Iterator[_Cluster]:
+def _remote(scheduler: str, folder: Path) -> Iterator[Cluster]:
     """Yield the workers of a scheduler that is there already."""
     client = connect(scheduler, folder)
     try:
-        yield _Cluster(client, scheduler, folder)
+        yield Cluster(client, scheduler, folder)
     finally:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):
