@@ -6,6 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from fibermelt.study.claims.quantities import (
+    CENTER,
+    LEFT,
+    RIGHT,
     NotStoredError,
     Quantity,
     needing,
@@ -29,9 +32,6 @@ BEAD: dict[str, Quantity] = {}
 """The quantities of fibers in the bead, by their names."""
 
 needs = partial(needing, BEAD, part="bead")
-
-LEFT, CENTER, RIGHT = 4, 10, 18
-"""The paper's feature streamlines: near the left edge, the center, near the right edge."""
 
 TIP = 0.0873
 """Eccentric angle [rad] up to which a place counts as the tip: 5 degrees, 0.4 % of the length."""

@@ -6,6 +6,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.study.claims.quantities import (
+    LEFT,
+    RIGHT,
     NotStoredError,
     Quantity,
     needing,
@@ -29,9 +31,6 @@ FLOW: dict[str, Quantity] = {}
 """The quantities of the flow, by their names."""
 
 needs = partial(needing, FLOW, part="bead")
-
-LEFT, RIGHT = 4, 18
-"""The paper's feature streamlines near the left and the right edge."""
 
 NEAR_EXIT = 0.5
 """How far above the exit counts as near it, in capillary widths: the flow is developed beyond."""

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 __all__ = [
+    "CENTER",
+    "LEFT",
+    "RIGHT",
     "NotStoredError",
     "Quantity",
     "needing",
@@ -26,6 +29,9 @@ __all__ = [
     "rank_correlation",
     "regular_lines",
 ]
+
+LEFT, CENTER, RIGHT = 4, 10, 18
+"""The paper's feature streamlines: near the left edge, the center, near the right edge."""
 
 Quantity = Callable[["xr.Dataset"], float]
 """From results to a number in SI; `NotStoredError` if they do not have it."""

@@ -23,7 +23,7 @@ from fibermelt.study.sweep.scratch import scratch_folder
 from fibermelt.study.sweep.tasks import Outcome, Task
 from fibermelt.study.sweep.worker import forget, fulfil, single_threaded
 
-__all__ = ["Died", "Pool", "cores", "open_pool", "refuse_workers"]
+__all__ = ["Pool", "cores", "open_pool", "refuse_workers"]
 
 MOST_PER_CORE = 64
 """Workers on a core of this machine, at most: each is a process of 150 MB and of seconds to start,

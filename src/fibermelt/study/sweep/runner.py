@@ -17,8 +17,9 @@ from fibermelt.study.runner import software_versions
 from fibermelt.study.schema import has_lost_mark
 from fibermelt.study.stages import stage_parameters
 from fibermelt.study.sweep.agenda import AHEAD, Agenda, Item
+from fibermelt.study.sweep.cluster import Died
 from fibermelt.study.sweep.plan import Job, Plan, plan_sweep
-from fibermelt.study.sweep.pools import Died, Pool, open_pool, refuse_workers
+from fibermelt.study.sweep.pools import Pool, open_pool, refuse_workers
 from fibermelt.study.sweep.progress import Progress, add_progress
 from fibermelt.study.sweep.record import asked
 from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store, stage_folder
