@@ -35,12 +35,12 @@ if TYPE_CHECKING:
     from fibermelt.flow.streamlines import trace_streamlines
     from fibermelt.flow.vtu import write_vtu
     from fibermelt.history import FlowHistory, simple_shear
+    from fibermelt.melt import Newtonian
     from fibermelt.orientation.closures import closure
     from fibermelt.orientation.evolve import follow_orientation
     from fibermelt.orientation.fokker_planck import steady_distribution
     from fibermelt.orientation.models import FolgarTucker
     from fibermelt.orientation.steady import steady_state
-    from fibermelt.rheology.newtonian import Newtonian
 
 __version__ = "0.1.0"
 
@@ -80,7 +80,7 @@ _HOMES = {
     "write_vtu": "flow.vtu",
     "FlowHistory": "history",
     "simple_shear": "history",
-    "Newtonian": "rheology.newtonian",
+    "Newtonian": "melt",
 }
 """Public name to the module that has it."""
 

@@ -15,7 +15,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.spacing import graded_spacing, resample
 from fibermelt.flow.vtu import write_vtu
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 
 
 @pytest.mark.parametrize(

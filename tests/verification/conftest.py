@@ -7,7 +7,7 @@ import pytest
 from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.streamlines import Streamline, trace_streamlines
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 
 COARSE = FlowNumerics().coarsened(4.0)
 """Edges four times the default's: the same physics in a second or two."""

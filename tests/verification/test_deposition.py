@@ -11,7 +11,7 @@ from fibermelt.errors import ConvergenceError
 from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.streamlines import Streamline
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 from fibermelt.verify.flow import line_flux
 
 COARSE = FlowNumerics().coarsened(4.0)

@@ -14,7 +14,7 @@ from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.rescale import rescaled
 from fibermelt.flow.search import SurfaceSearch, _chords_end
 from fibermelt.flow.start import StartShape, surfaces_from
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 from fibermelt.study.bead.flow import start_from
 from fibermelt.study.variables import labelled
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, fields
 
 from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 
 __all__ = ["Deposition", "FlowNumerics", "Nozzle"]
 

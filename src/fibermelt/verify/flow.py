@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.streamlines import trace_streamlines
-from fibermelt.rheology import Newtonian
+from fibermelt.melt import Newtonian
 from fibermelt.verify.ladder import Rung, below
 
 __all__ = ["LONG_CAPILLARY", "PAPER", "RUNGS", "line_flux"]

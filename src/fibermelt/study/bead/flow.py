@@ -61,11 +61,11 @@ FIELDS = ("velocity", "pressure", "gradient", "stream_function", "gradient_error
 def _problem(parameters: Parameters) -> Deposition:
     """Return the deposition problem of a study."""
     from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
-    from fibermelt.rheology import Newtonian  # noqa: PLC0415
+    from fibermelt.melt import Newtonian  # noqa: PLC0415
 
     flow = parameters.section("flow")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
-    return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(**parameters.section("melt")), **speeds)
+    return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(parameters["melt.viscosity"]), **speeds)
 
 
 def start_from(flow: xr.Dataset) -> StartShape:

@@ -1,5 +1,0 @@
-"""What the melt is: viscosity laws."""
-
-from fibermelt.rheology.newtonian import Newtonian
-
-__all__ = ["Newtonian"]
