@@ -197,7 +197,7 @@ def _finely(
         rough = replace(rough, tolerance=max(rough.tolerance, ROUGH_TOLERANCE))
     middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
-    units = (problem.nozzle.capillary_width, problem.bed_speed, problem.melt.viscosity)
+    units = (problem.nozzle.capillary_width, problem.bed_speed, problem.viscosity_scale)
     coarser = field_of(middle, *units, stream=False)
     flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)

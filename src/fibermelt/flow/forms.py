@@ -9,8 +9,8 @@ and are linear in it. With ``u`` riding along with the mesh (coefficients kept, 
 
 which gives all that stands below. Lengths, speeds and the viscosity are scaled to one.
 
-Signs, once: momentum ``int sigma : grad v = 0`` with ``sigma = 2 D(u) + (gamma div u - p) I`` and
-no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int_free m n.u = 0``.
+Signs, once: momentum ``int sigma : grad v = 0`` with ``sigma = 2 eta D(u) + (gamma div u - p) I``
+and no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int_free m n.u = 0``.
 """
 
 from __future__ import annotations
@@ -20,10 +20,13 @@ from typing import Any
 
 import ngsolve as ng
 
+from fibermelt.melt import ViscosityLaw
+
 __all__ = [
     "INTEGRATION_BONUS",
     "Elements",
     "Unknowns",
+    "ViscousStress",
     "jacobian_form",
     "residual_form",
     "stokes_form",
@@ -83,8 +86,60 @@ def _tr(w: Form) -> Form:
     return w[0, 0] + w[1, 1]
 
 
-def _viscous(velocity_gradient: Form) -> Form:
-    return 2 * _sym(velocity_gradient) + GRAD_DIV * _tr(velocity_gradient) * ng.Id(2)
+class ViscousStress:
+    """The stress of a melt without its pressure, ``2 eta D + gamma div u I``, and its derivative.
+
+    With ``s = 2 D:D``, ``eta = eta(s)``, the derivative in the direction ``w`` is
+    ``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D + gamma div w I``: symmetric, and positive where the
+    stress grows with the rate.
+
+    Parameters
+    ----------
+    gradient : expression
+        Velocity gradient of the present state.
+    law : ViscosityLaw
+        In scaled units: its viscosity is of order one at the rates of the flow.
+    thinning : ng.Parameter, optional
+        A power ``t``: the viscosity is ``known^(1 - t) eta^t``, and leads from one that is known
+        to the law's.
+    known : expression
+        That viscosity.
+    """
+
+    def __init__(
+        self,
+        gradient: Form,
+        law: ViscosityLaw,
+        thinning: ng.Parameter | None = None,
+        known: Form = 1.0,
+    ) -> None:
+        """Write the viscosity and its derivative down, once."""
+        self.gradient, self._D = gradient, _sym(gradient)
+        self.viscosity, self._slope = ng.CF(1.0), None
+        if law.is_newtonian:
+            return
+        eta, slope = law.expression(2 * ng.InnerProduct(self._D, self._D))
+        self.viscosity, self._slope = eta, slope
+        if thinning is not None:
+            led = (eta / known) ** thinning
+            self._led, self._slope = known * led, thinning * (known / eta) * led * slope
+        else: self._led = eta
+
+    @property
+    def value(self) -> Form:
+        """Return the stress."""
+        return self._linear(self.gradient)
+
+    def along(self, w: Form) -> Form:
+        """Return the derivative of the stress with the velocity gradient, in the direction ``w``."""
+        if self._slope is None:
+            return self._linear(w)
+        turned = 8 * self._slope * ng.InnerProduct(self._D, _sym(w))
+        return self._linear(w) + turned * self._D
+
+    def _linear(self, w: Form) -> Form:
+        spherical = GRAD_DIV * _tr(w) * ng.Id(2)
+        return 2 * _sym(w) + spherical if self._slope is None else 2 * self._led * _sym(w) + spherical
 
 
 def _upwind(m: Form, velocity: Form) -> Form:
@@ -100,20 +155,21 @@ def _upwind(m: Form, velocity: Form) -> Form:
     return m + UPWIND * downstream * ng.specialcf.mesh_size * along
 
 
-def stokes_form(unknowns: Unknowns, elements: Elements) -> list[Form]:
+def stokes_form(unknowns: Unknowns, elements: Elements, stress: ViscousStress) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
     v, q, *_ = unknowns.test
-    momentum = ng.InnerProduct(_viscous(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
+    momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
     return elements.over(momentum - q * ng.div(u))
 
 
-def residual_form(unknowns: Unknowns, elements: Elements, free: str) -> list[Form]:
+def residual_form(
+    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str
+) -> list[Form]:
     """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
     v, q, _, m = unknowns.test
-    gradient = ng.Grad(unknowns.velocity)
-    stress = _viscous(gradient) - unknowns.pressure * ng.Id(2)
-    melt = ng.InnerProduct(stress, ng.Grad(v)) - q * _tr(gradient)
+    total = stress.value - unknowns.pressure * ng.Id(2)
+    melt = ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
     normal = ng.specialcf.normal(2)
     return [
         *elements.over(melt),
@@ -124,7 +180,7 @@ def residual_form(unknowns: Unknowns, elements: Elements, free: str) -> list[For
 
 
 def jacobian_form(
-    unknowns: Unknowns, elements: Elements, free: str, rate: ng.Parameter
+    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str, rate: ng.Parameter
 ) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
@@ -135,12 +191,12 @@ def jacobian_form(
     """
     u, _, d, lam = unknowns.trial
     v, q, e, m = unknowns.test
-    gradient, move, test_move = ng.Grad(unknowns.velocity), ng.Grad(d), ng.Grad(e)
-    stress = _viscous(gradient) - unknowns.pressure * ng.Id(2)
+    gradient, move, test_move = stress.gradient, ng.Grad(d), ng.Grad(e)
+    total = stress.value - unknowns.pressure * ng.Id(2)
     shape = (
-        ng.InnerProduct(stress, ng.Grad(v)) * _tr(move)
-        - ng.InnerProduct(stress, ng.Grad(v) * move)
-        - ng.InnerProduct(_viscous(gradient * move), ng.Grad(v))
+        ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
+        - ng.InnerProduct(total, ng.Grad(v) * move)
+        - ng.InnerProduct(stress.along(gradient * move), ng.Grad(v))
         - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
     )
     elastic = 2 * ng.InnerProduct(_sym(move), _sym(test_move)) + _tr(move) * _tr(test_move)
@@ -152,7 +208,7 @@ def jacobian_form(
     string = STRING_STIFFNESS * (tangent * slope) * (tangent * test_slope)
     on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
     return [
-        *stokes_form(unknowns, elements),
+        *stokes_form(unknowns, elements, stress),
         *elements.over(shape, moving=True),
         *elements.over(solid, moving=True),
         _upwind(m, unknowns.velocity)

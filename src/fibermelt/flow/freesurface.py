@@ -13,11 +13,21 @@ from dataclasses import dataclass
 import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from fibermelt.flow.forms import Elements, Unknowns, jacobian_form, residual_form
+from fibermelt.flow.equilibrium import Equilibration
+from fibermelt.flow.forms import (
+    Elements,
+    Unknowns,
+    ViscousStress,
+    jacobian_form,
+    residual_form,
+    stokes_form,
+)
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.flow.linear import CondensedForm, solve_at_rest
+from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
+from fibermelt.melt import Newtonian, ViscosityLaw
 
 __all__ = ["Boundaries", "FreeSurfaceFlow", "Step"]
 
@@ -28,6 +38,11 @@ SMALLEST_JACOBIAN = 0.15
 
 SMALLEST_FRACTION = 0.3
 """A step that would have to be cut to less is not taken: it points nowhere."""
+
+
+NEAREST, NEARLY = 6, 1e-9
+"""A viscosity between meshes is the mean over this many corners of triangles, weighted by the
+inverse of their distance [widths]."""
 
 
 @dataclass(frozen=True)
@@ -56,14 +71,26 @@ class Step:
 
 
 class FreeSurfaceFlow:
-    """The flow on one mesh, from the fixed-mesh Stokes solution on.
+    """The flow on one mesh, from the flow on the mesh as given on.
 
-    Making one solves Stokes on the mesh as given (the coupled matrix is singular at rest); each
-    `step` is one Newton step of the coupled problem, shortened if it would tangle the mesh.
+    Making one solves the flow with the mesh held (the coupled matrix is singular at rest); each
+    `step` is one Newton step of the coupled problem, shortened if it would tangle the mesh. A melt
+    that thins is then brought to equilibrium with the mesh held, before the next step.
     """
 
-    def __init__(self, mesh: ng.Mesh, boundaries: Boundaries, order: int) -> None:
-        """Set the problem up on ``mesh`` and solve Stokes on it as it is."""
+    def __init__(
+        self,
+        mesh: ng.Mesh,
+        boundaries: Boundaries,
+        order: int,
+        law: ViscosityLaw | None = None,
+        before: FreeSurfaceFlow | None = None,
+    ) -> None:
+        """Set the problem up on ``mesh`` and solve the flow on it as it is.
+
+        Without a ``law`` [scaled units] the melt is Newtonian. The viscosity of a flow ``before``,
+        on another mesh of nearly the same shape, is where that of this one starts.
+        """
         self.mesh = mesh
         self.boundaries = boundaries
         self.order = order
@@ -73,15 +100,26 @@ class FreeSurfaceFlow:
         self._state = ng.GridFunction(self._space)
         self.displacement = ng.GridFunction(spaces.displacement)
         self._trial_displacement = ng.GridFunction(spaces.displacement)
+        self._law = Newtonian(1.0) if law is None else law
+        self._known = ng.GridFunction(ng.H1(mesh, order=1))
+        self._known.vec.FV().NumPy()[:] = 1.0
         elements = elements_of(mesh, boundaries)
         self._make_forms(elements)
-        values = {name: ng.CF(value) for name, value in boundaries.velocity.items()}
-        self.velocity.Set(
-            mesh.BoundaryCF(values, default=ng.CF((0, 0))),
-            definedon=mesh.Boundaries(boundaries.given),
-        )
+        self._set_given_velocity()
         at_rest = self._state.vec[: spaces.flow.ndof]
-        solve_at_rest(spaces.flow, elements, at_rest, self._residual)
+        self._equilibration = None
+        if self._law.is_newtonian:
+            solve_at_rest(spaces.flow, elements, at_rest, self._residual)
+        else:
+            trial, test = spaces.flow.TnT()
+            terms = stokes_form(Unknowns(trial, test, None, None), elements, self._stress)
+            self._thinning.Set(0.0)
+            scale = load_of(self._matrix.free,at_rest, self._residual)[1]
+            if before is not None:
+                self._known.vec.FV().NumPy()[:] = before.viscosity_near(mesh.ngmesh.Coordinates())
+            self._equilibration = Equilibration(
+                spaces.flow, terms, at_rest, self._residual, self._thinning, scale
+            )
 
     @property
     def velocity(self) -> ng.GridFunction:
@@ -98,16 +136,28 @@ class FreeSurfaceFlow:
         """Return the number of unknowns of the coupled system."""
         return int(self._matrix.free.sum())
 
+    def _set_given_velocity(self) -> None:
+        """Set what is given on the boundaries; what flows in is then scaled to its exact flux."""
+        values = {name: ng.CF(value) for name, value in self.boundaries.velocity.items()}
+        given = self.mesh.Boundaries(self.boundaries.given)
+        self.velocity.Set(self.mesh.BoundaryCF(values, default=ng.CF((0, 0))), definedon=given)
+        for name, flux in self.boundaries.inflow.items():
+            through = -self.velocity * ng.specialcf.normal(2) * ng.ds(name)
+            values[name] = values[name] * (flux / ng.Integrate(through, self.mesh))
+            self.velocity.Set(self.mesh.BoundaryCF(values, default=ng.CF((0, 0))), definedon=given)
+
     def _make_forms(self, elements: Elements) -> None:
         trial, test = self._space.TnT()
         unknowns = Unknowns(tuple(trial), tuple(test), self.velocity, self.pressure)
         free = self.boundaries.free
-        self._rate = ng.Parameter(0.0)
-        self._jacobian = jacobian_form(unknowns, elements, free, self._rate)
+        self._rate, self._thinning = ng.Parameter(0.0), ng.Parameter(1.0)
+        gradient = ng.Grad(self.velocity)
+        self._stress = ViscousStress(gradient, self._law, self._thinning, self._known)
+        self._jacobian = jacobian_form(unknowns, elements, self._stress, free, self._rate)
         self._matrix = CondensedForm(self._space, self._jacobian, "umfpack", symmetric=False)
         self._residual = ng.LinearForm(self._space)
-        for term in residual_form(unknowns, elements, free):
-            self._residual += term
+        for term in residual_form(unknowns, elements, self._stress, free):
+            self._residual += term.Compile()
 
     def _solve(self, reuse: bool) -> tuple[ng.BaseVector, Array]:
         """Return the correction of the present state and its residual.
@@ -170,7 +220,19 @@ class FreeSurfaceFlow:
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
+        if self._equilibration is not None:
+            self._equilibration.settle()
         return Step(*met, size, fraction, jacobian)
+
+    def viscosity_near(self, points: Array) -> Array:
+        """Return the viscosity at ``points`` (n, 2), in scaled units, from the mesh's vertices."""
+        rule = ng.IntegrationRule([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], [0.0] * 3)
+        at = self.mesh.MapToAllElements(rule, ng.VOL)
+        sampled = np.asarray(ng.CF((ng.x, ng.y, self._stress.viscosity))(at))
+        distance, nearest = cKDTree(sampled[:, :2]).query(points, k=NEAREST)
+        weight = 1.0 / (distance + NEARLY)
+        logs = np.log(sampled[nearest, 2])
+        return np.asarray(np.exp((weight * logs).sum(axis=1) / weight.sum(axis=1)))
 
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:
         """Return the boundary ``name`` as it lies now, a polyline (n, 2) that begins at ``start``.

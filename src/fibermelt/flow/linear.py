@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.flow.forms import Elements, Unknowns, stokes_form
+from fibermelt.flow.forms import Elements, Unknowns, ViscousStress, stokes_form
+from fibermelt.melt import Newtonian
 
-__all__ = ["CondensedForm", "solve_at_rest"]
+__all__ = ["CondensedForm", "load_of", "solve_at_rest", "without_pivots"]
 
 Array = NDArray[np.float64]
 
@@ -114,8 +115,10 @@ class CondensedForm:
 
 def solve_at_rest(
     space: Any, elements: Elements, state: ng.BaseVector, residual: ng.LinearForm
-) -> None:
+) -> float:
     """Solve Stokes on the mesh as it is: correct ``state`` until hardly any residual is left.
+
+    Returns the norm of the residual that it started from.
 
     Parameters
     ----------
@@ -134,19 +137,32 @@ def solve_at_rest(
         If refinement does not end.
     """
     trial, test = space.TnT()
-    squeeze = -COMPRESSIBILITY * trial[1] * test[1] * ng.dx
-    terms = [*stokes_form(Unknowns(trial, test, None, None), elements), squeeze]
-    matrix = CondensedForm(space, terms, "sparsecholesky", symmetric=True)
+    stress = ViscousStress(ng.Grad(trial[0]), Newtonian(1.0))
+    matrix = without_pivots(space, stokes_form(Unknowns(trial, test, None, None), elements, stress))
     matrix.factorise()
-    right, first = state.CreateVector(), 0.0
+    first = 0.0
     for count in range(MAX_PASSES):
-        with ng.TaskManager():
-            residual.Assemble()
-        left = residual.vec.FV().NumPy()[: space.ndof]
-        right.FV().NumPy()[:] = np.where(matrix.free, left, 0.0)
-        size = float(ng.Norm(right))
+        right, size = load_of(matrix.free, state, residual)
         first = first if count else size
         if size <= LARGEST_RESIDUAL * first:
-            return
+            return first
         state.data -= matrix.solve(right)[0]
     raise _singular(size, first)
+
+
+def without_pivots(space: Any, terms: list[Any]) -> CondensedForm:
+    """Return the form of the flow on a fixed mesh, made so that sparse Cholesky can have it."""
+    trial, test = space.TnT()
+    squeeze = -COMPRESSIBILITY * trial[1] * test[1] * ng.dx
+    return CondensedForm(space, [*terms, squeeze], "sparsecholesky", symmetric=True)
+
+
+def load_of(
+    free: NDArray[np.bool_], state: ng.BaseVector, residual: ng.LinearForm
+) -> tuple[ng.BaseVector, float]:
+    """Return the residual's entries of momentum and mass, zero where not free, and their norm."""
+    with ng.TaskManager():
+        residual.Assemble()
+    right = state.CreateVector()
+    right.FV().NumPy()[:] = np.where(free[: len(right)], residual.vec.FV().NumPy()[: len(right)], 0.0)
+    return right, float(ng.Norm(right))

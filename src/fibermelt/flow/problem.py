@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
-from fibermelt.melt import Newtonian
+from fibermelt.melt import ViscosityLaw
 
 __all__ = ["Deposition", "FlowNumerics", "Nozzle"]
 
@@ -101,7 +102,7 @@ class Deposition:
     ----------
     nozzle : Nozzle
         Geometry.
-    melt : Newtonian
+    melt : ViscosityLaw
         What flows.
     inlet_speed : float
         Mean speed of the parabola at the inlet [m/s], > 0.
@@ -115,20 +116,39 @@ class Deposition:
     """
 
     nozzle: Nozzle
-    melt: Newtonian
+    melt: ViscosityLaw
     inlet_speed: float = 24e-3
     bed_speed: float = 101.6e-3
 
     def __post_init__(self) -> None:
         """Refuse a bed or a melt that stands still, and what is no nozzle or no melt."""
         refuse_other("nozzle", self.nozzle, Nozzle)
-        refuse_other("melt", self.melt, Newtonian)
+        refuse_other("melt", self.melt, ViscosityLaw)
         _require_positive("flow", self, ["inlet_speed", "bed_speed"])
 
     @property
     def flux(self) -> float:
         """Return the flux per unit depth ``Q`` [m2/s]."""
         return self.inlet_speed * self.nozzle.inlet_width
+
+    @property
+    def rate_scale(self) -> float:
+        """Return the bed's speed over the capillary's width ``V/W`` [1/s], the unit of rates."""
+        return self.bed_speed / self.nozzle.capillary_width
+
+    @property
+    def viscosity_scale(self) -> float:
+        """Return the viscosity at ``V/W`` [Pa s], the unit of viscosities; Newtonian: ``mu``.
+
+        One that the flow meets: in units of a viscosity at rest that it never sees, the grad-div
+        term and every tolerance would drown the stress.
+        """
+        return float(self.melt.viscosity_at(self.rate_scale))
+
+    @cached_property
+    def scaled_law(self) -> ViscosityLaw:
+        """Return the melt's law in units of ``W``, ``V`` and the viscosity at ``V/W``."""
+        return self.melt.scaled(1.0 / self.viscosity_scale, self.rate_scale)
 
     @property
     def mass_balance_height(self) -> float:

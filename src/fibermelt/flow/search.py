@@ -12,6 +12,7 @@ from fibermelt.errors import ConvergenceError, MeshError
 from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.melt.slit import SlitFlow
 
 __all__ = [
     "DRAWN_DOWN",
@@ -71,6 +72,9 @@ FASTEST_CHORDS = 0.1
 """A chord step is not believed to leave less than this part of itself: the first gains two
 decimals or three, the next but one."""
 
+PROFILE_POINTS = 20001
+"""Points of an inlet profile that is no parabola; linear between them, to 1e-8 of its height."""
+
 FIRST_RATE, LAST_RATE = 1.0, 0.2
 """Rates [bed speeds per capillary width] at which steps of implicit time begin and end."""
 
@@ -92,16 +96,23 @@ def coarse_numerics(problem: Deposition) -> FlowNumerics:
 
 
 def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
-    """Return the paper's Fig. 2a: inlet parabola, no slip, bed and outlet at the bed's speed."""
+    """Return the paper's Fig. 2a: inlet profile, no slip, bed and outlet at the bed's speed."""
     speed = problem.inlet_speed / problem.bed_speed
-    parabola = -1.5 * speed * (1 - (2 * ng.x / nozzle.inlet_width) ** 2)
+    profile, inflow = -1.5 * speed * (1 - (2 * ng.x / nozzle.inlet_width) ** 2), {}
+    if not problem.melt.is_newtonian:
+        half = nozzle.inlet_width / 2
+        x = np.linspace(-half, half, PROFILE_POINTS)
+        slit = SlitFlow(problem.scaled_law, nozzle.inlet_width, speed)
+        profile = ng.VoxelCoefficient((-half,), (half,), -slit.velocity(x), linear=True)
+        inflow = {"inlet": speed * nozzle.inlet_width}
     return Boundaries(
         moving="bead",
         free="upstream|downstream",
-        velocity={"inlet": (0, parabola), "wall": (0, 0), "bed": (1, 0), "outlet": (1, 0)},
+        velocity={"inlet": (0, profile), "wall": (0, 0), "bed": (1, 0), "outlet": (1, 0)},
         held_x="outlet|exit|wall|inlet",
         held_y="bed|exit|wall|inlet",
         lips=np.array([[-0.5, nozzle.gap], [0.5, nozzle.gap]]),
+        inflow=inflow,
     )
 
 
@@ -147,13 +158,15 @@ class SurfaceSearch:
         self.progress = progress
         self.newton_steps = 0
         self.meshes = 0
+        self._flow: FreeSurfaceFlow | None = None
 
     def start(self, surfaces: Surfaces, numerics: FlowNumerics) -> FreeSurfaceFlow:
         """Mesh the domain between ``surfaces`` and solve Stokes on it."""
         self.meshes += 1
         mesh = deposition_mesh(self.nozzle, surfaces, numerics)
         boundaries = _boundaries(self.problem, self.nozzle)
-        return FreeSurfaceFlow(mesh, boundaries, numerics.order)
+        self._flow = FreeSurfaceFlow(mesh, boundaries, numerics.order, self.problem.scaled_law, self._flow)
+        return self._flow
 
     def tell(self, line: str) -> None:
         """Pass a line of progress on."""

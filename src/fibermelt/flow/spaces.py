@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import ngsolve as ng
@@ -35,6 +35,8 @@ class Boundaries:
         Boundaries on which the velocity is given.
     symmetry : str
         Boundaries along x on which only ``v = 0`` is given.
+    inflow : mapping of name to float
+        Flux through boundaries whose given velocity is no polynomial that the elements have.
     held_x, held_y : str
         Boundaries on which the mesh may not move in x, in y.
     lips : (n, 2) array
@@ -48,6 +50,7 @@ class Boundaries:
     held_y: str
     lips: NDArray[np.float64]
     symmetry: str = ""
+    inflow: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def given(self) -> str:
