@@ -37,6 +37,8 @@ class FlowHistory:
         Velocity gradient ``L[i, j] = d u_i / d x_j`` [1/s], without trace.
     pressure : (n,) array
         Pressure of the melt [Pa], zero in the surrounding air.
+    viscosity : (n,) array, optional
+        Viscosity of the melt [Pa s] at its rate of deformation, > 0.
 
     Raises
     ------
@@ -54,10 +56,13 @@ class FlowHistory:
     velocity: Array
     gradient: Array
     pressure: Array
+    viscosity: Array | None = None
 
     def __post_init__(self) -> None:
         """Take the numbers over, and refuse what no incompressible melt can do."""
-        for name in ("time", "position", "velocity", "gradient", "pressure"):
+        names = ["time", "position", "velocity", "gradient", "pressure"]
+        names += ["viscosity"] if self.viscosity is not None else []
+        for name in names:
             object.__setattr__(self, name, _own(name, getattr(self, name)))
         n = self.time.size
         shapes = {
@@ -66,8 +71,10 @@ class FlowHistory:
             "velocity": (n, 2),
             "gradient": (n, 2, 2),
             "pressure": (n,),
+            "viscosity": (n,),
         }
-        for name, shape in shapes.items():
+        for name in names:
+            shape = shapes[name]
             value = getattr(self, name)
             if value.shape != shape:
                 msg = f"history: {name} has shape {value.shape}, expected {shape} like time"
@@ -76,6 +83,10 @@ class FlowHistory:
                 bad = int(np.flatnonzero(~np.isfinite(value.reshape(n, -1)).all(axis=1))[0])
                 msg = f"history: {name}[{bad}] = {value[bad]} is not finite"
                 raise HistoryError(msg)
+        if self.viscosity is not None and not np.all(self.viscosity > 0):
+            bad = int(np.argmin(self.viscosity))
+            msg = f"history: viscosity[{bad}] = {self.viscosity[bad]:g} Pa s must be positive"
+            raise HistoryError(msg)
         _refuse_still(self.time)
         trace = np.abs(np.trace(self.gradient, axis1=1, axis2=2))
         size = np.linalg.norm(self.gradient, axis=(1, 2))

@@ -40,6 +40,7 @@ def square_field(order: int, n: int = 4, bend: float = 0.0) -> FlowField:
         pressure=x - y,
         gradient=np.tile([[0.0, 1.0], [0.0, 0.0]], (len(points), 1, 1)),
         stream_function=y + y**2 / 2,
+        viscosity=np.ones(len(points)),
         gradient_error=np.zeros(len(points)),
     )
 

@@ -9,9 +9,10 @@ import pytest
 from test_flow_field import square_field
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.flow.problem import Nozzle
+from fibermelt.flow.problem import Deposition, Nozzle
 from fibermelt.flow.streamlines import _first_below, inlet_seeds
 from fibermelt.flow.tracing import trace
+from fibermelt.melt import Newtonian
 
 TOLERANCE = 1e-9
 
@@ -51,7 +52,7 @@ def test_a_line_that_leaves_the_field_is_an_error() -> None:
 @pytest.mark.parametrize("count", [1, 2, 22, 101])
 def test_seeds_share_the_flux_equally(count: int) -> None:
     nozzle = Nozzle()
-    fraction, x = inlet_seeds(nozzle, count)
+    fraction, x = inlet_seeds(Deposition(nozzle, Newtonian(817.0)), count)
     z = x / nozzle.inlet_width + 0.5
     np.testing.assert_allclose(3 * z**2 - 2 * z**3, fraction, atol=1e-14)
     np.testing.assert_allclose(x, -x[::-1], atol=1e-16)

@@ -30,8 +30,8 @@ MIDDLE = 2.5
 """Coarsening of the mesh against which the discretisation error is estimated."""
 
 ROUGH_TOLERANCE = 1e-5
-"""Last step on the middle mesh [widths] that a warm start asks for: chord steps leave a
-quarter of it, and the error that the mesh is there to estimate is 1e-4."""
+"""Last step on the middle mesh [widths] that a warm start or a thinning melt asks for: chord steps
+leave a quarter of it, and the error that the mesh is there to estimate is 1e-4."""
 
 LARGEST_ERROR = 0.02
 """Estimated error of the contact point [widths] above which there is no answer to speak of."""
@@ -193,24 +193,22 @@ def _finely(
     problem = search.problem
     _check_climb(problem, surfaces)
     rough = numerics.coarsened(MIDDLE)
-    if chords:
+    if chords or not problem.melt.is_newtonian:
         rough = replace(rough, tolerance=max(rough.tolerance, ROUGH_TOLERANCE))
     middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
-    units = (problem.nozzle.capillary_width, problem.bed_speed, problem.viscosity_scale)
-    coarser = field_of(middle, *units, stream=False)
+    coarser = field_of(middle, problem, stream=False)
     flow, surfaces = search.converge(surfaces, numerics, chords)
     _check_climb(problem, surfaces)
 
-    width, speed, viscosity = units
-    stress = viscosity * speed / width
+    width, stress = problem.nozzle.capillary_width, problem.stress_scale
     contact, heel = surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min()
     _check_contact(problem, float(contact), float(abs(contact - seen[0])))
     pressure = _inlet_pressure(flow)
     height = float(surfaces.downstream[-1, 1]) * width
     return FlowSolution(
         problem=problem,
-        field=with_error(field_of(flow, *units), coarser),
+        field=with_error(field_of(flow, problem), coarser),
         upstream_surface=surfaces.upstream * width,
         downstream_surface=surfaces.downstream * width,
         bead_height=height,

@@ -1,4 +1,4 @@
-"""The flow of a melt that thins, on a mesh that is held: Newton's method with backtracking.
+"""The flow of a melt that thins, on a mesh that is held: Newton's method with a line search.
 
 It goes before the mesh moves, and between the steps of flow and mesh together: these alone
 converge for melts that hardly thin only. A viscosity that is known, one everywhere or that of the
@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import ngsolve as ng
+import numpy as np
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.linear import load_of, without_pivots
@@ -23,11 +24,11 @@ ROUGHLY, SETTLED = 1e-2, 1e-5
 """Residual left, in parts of that without any motion: on the way to the law, and of the law itself.
 What is left the coupled step takes with it."""
 
-MAX_STEPS, SMALLEST_PART = 25, 1e-3
-"""Newton's steps for one law on one mesh; the smallest part of one that is tried."""
+MAX_STEPS = 25
+"""Newton's steps for one law on one mesh."""
 
-LEAST_GAIN = 0.1
-"""Part of a step's promise by which the residual must fall, or the step is halved."""
+SEARCHES, FLAT_ENOUGH = 3, 0.5
+"""Places along a step that are tried, and the part of the first slope at which one is good."""
 
 
 class Equilibration:
@@ -66,6 +67,7 @@ class Equilibration:
         """Find the flow of the law, from that of the known viscosity."""
         self._matrix = without_pivots(space, terms)
         self._state, self._residual, self._thinning = state, residual, thinning
+        self._velocities = space.components[0].ndof
         self._scale = scale
         self._thinning.Set(0.0)
         self.settle(ROUGHLY)
@@ -104,15 +106,34 @@ class Equilibration:
                 return True
             self._matrix.factorise()
             move = self._matrix.solve(right)[0]
-            fraction = 1.0
-            while True:
-                self._state.data -= fraction * move
-                right, left = self._load()
-                if left <= max(bound, (1.0 - LEAST_GAIN * fraction) * size):
-                    break
-                self._state.data += fraction * move
-                fraction /= 2
-                if fraction < SMALLEST_PART:
-                    return False
-            size = left
+            right, size = self._searched(right, move, bound)
         return size <= bound
+
+    def _power(self, right: ng.BaseVector, move: ng.BaseVector) -> float:
+        """Return the power of the residual's forces in a move: the slope of the potential along it.
+
+        The flow of a given law is where a convex potential (half the dissipation, if Newtonian)
+        is least among velocities without divergence. Pressure has no part in it.
+        """
+        pair = (vector.FV().NumPy()[: self._velocities] for vector in (right, move))
+        return float(np.dot(*pair))
+
+    def _searched(
+        self, right: ng.BaseVector, move: ng.BaseVector, bound: float
+    ) -> tuple[ng.BaseVector, float]:
+        """Go along a move to where the potential is least, by the secant of its slope.
+
+        Newton's full step overshoots where a melt thins much; backtracking on the residual's norm
+        instead takes twice the steps.
+        """
+        slope, taken, wanted = self._power(right, move), 0.0, 1.0
+        for _ in range(SEARCHES):
+            self._state.data -= (wanted - taken) * move
+            taken = wanted
+            right, left = self._load()
+            here = self._power(right, move)
+            if left <= bound or abs(here) <= FLAT_ENOUGH * abs(slope):
+                break
+            zero = taken * slope / (slope - here) if here != slope else 2.0 * taken
+            wanted = min(max(zero, 0.1 * taken), 2.0 * taken)
+        return right, left

@@ -66,6 +66,8 @@ class FlowField:
         ``L[i, j] = d u_i / d x_j`` [1/s], recovered into a continuous field, without trace.
     stream_function : (n,) array
         ``psi`` [m2/s] with ``u = d psi/dy``, ``v = -d psi/dx``; zero on the left wall and the bed.
+    viscosity : (n,) array
+        Viscosity of the melt [Pa s] at its rate of deformation.
     gradient_error : (n,) array
         Estimated error of ``gradient`` [1/s], in Frobenius's norm; zero where none was made.
     """
@@ -77,6 +79,7 @@ class FlowField:
     pressure: Array
     gradient: Array
     stream_function: Array
+    viscosity: Array
     gradient_error: Array
 
     @cached_property

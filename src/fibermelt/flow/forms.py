@@ -99,31 +99,29 @@ class ViscousStress:
         Velocity gradient of the present state.
     law : ViscosityLaw
         In scaled units: its viscosity is of order one at the rates of the flow.
-    thinning : ng.Parameter, optional
-        A power ``t``: the viscosity is ``known^(1 - t) eta^t``, and leads from one that is known
-        to the law's.
-    known : expression
-        That viscosity.
+    thinning, known : expressions
+        The viscosity is ``known^(1 - t) eta^t`` with ``t = thinning``: it leads from one that is
+        known to the law's.
     """
 
     def __init__(
         self,
         gradient: Form,
         law: ViscosityLaw,
-        thinning: ng.Parameter | None = None,
+        thinning: Form = 1.0,
         known: Form = 1.0,
     ) -> None:
         """Write the viscosity and its derivative down, once."""
         self.gradient, self._D = gradient, _sym(gradient)
-        self.viscosity, self._slope = ng.CF(1.0), None
-        if law.is_newtonian:
-            return
-        eta, slope = law.expression(2 * ng.InnerProduct(self._D, self._D))
-        self.viscosity, self._slope = eta, slope
-        if thinning is not None:
-            led = (eta / known) ** thinning
-            self._led, self._slope = known * led, thinning * (known / eta) * led * slope
-        else: self._led = eta
+        self.viscosity = self._eta = ng.CF(1.0)
+        self._slope = None
+        if not law.is_newtonian:
+            self.viscosity, slope = law.expression(2 * ng.InnerProduct(self._D, self._D))
+            ratio = self.viscosity / known
+            self._eta, self._slope = (
+                known * ratio**thinning,
+                thinning * ratio ** (thinning - 1) * slope,
+            )
 
     @property
     def value(self) -> Form:
@@ -131,7 +129,7 @@ class ViscousStress:
         return self._linear(self.gradient)
 
     def along(self, w: Form) -> Form:
-        """Return the derivative of the stress with the velocity gradient, in the direction ``w``."""
+        """Return the stress's derivative with the velocity gradient, in the direction ``w``."""
         if self._slope is None:
             return self._linear(w)
         turned = 8 * self._slope * ng.InnerProduct(self._D, _sym(w))
@@ -139,7 +137,8 @@ class ViscousStress:
 
     def _linear(self, w: Form) -> Form:
         spherical = GRAD_DIV * _tr(w) * ng.Id(2)
-        return 2 * _sym(w) + spherical if self._slope is None else 2 * self._led * _sym(w) + spherical
+        shear = 2 * _sym(w) if self._slope is None else 2 * self._eta * _sym(w)
+        return shear + spherical
 
 
 def _upwind(m: Form, velocity: Form) -> Form:

@@ -114,7 +114,7 @@ class FreeSurfaceFlow:
             trial, test = spaces.flow.TnT()
             terms = stokes_form(Unknowns(trial, test, None, None), elements, self._stress)
             self._thinning.Set(0.0)
-            scale = load_of(self._matrix.free,at_rest, self._residual)[1]
+            scale = load_of(self._matrix.free, at_rest, self._residual)[1]
             if before is not None:
                 self._known.vec.FV().NumPy()[:] = before.viscosity_near(mesh.ngmesh.Coordinates())
             self._equilibration = Equilibration(

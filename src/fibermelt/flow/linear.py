@@ -164,5 +164,7 @@ def load_of(
     with ng.TaskManager():
         residual.Assemble()
     right = state.CreateVector()
-    right.FV().NumPy()[:] = np.where(free[: len(right)], residual.vec.FV().NumPy()[: len(right)], 0.0)
+    right.FV().NumPy()[:] = np.where(
+        free[: len(right)], residual.vec.FV().NumPy()[: len(right)], 0.0
+    )
     return right, float(ng.Norm(right))

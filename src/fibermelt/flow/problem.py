@@ -145,6 +145,11 @@ class Deposition:
         """
         return float(self.melt.viscosity_at(self.rate_scale))
 
+    @property
+    def stress_scale(self) -> float:
+        """Return the unit of pressures [Pa]: the viscosity at ``V/W`` times ``V/W``."""
+        return self.viscosity_scale * self.rate_scale
+
     @cached_property
     def scaled_law(self) -> ViscosityLaw:
         """Return the melt's law in units of ``W``, ``V`` and the viscosity at ``V/W``."""

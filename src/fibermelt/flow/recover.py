@@ -14,6 +14,7 @@ from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm
+from fibermelt.flow.problem import Deposition
 
 __all__ = ["field_of", "with_error"]
 
@@ -78,17 +79,15 @@ def _numbering(vertices: NDArray[np.int64], order: int) -> tuple[NDArray[np.int6
     return np.hstack([vertices, on_edges, inside]), first_inside + n_cells * n_inside
 
 
-def field_of(
-    flow: FreeSurfaceFlow, length: float, speed: float, viscosity: float, *, stream: bool = True
-) -> FlowField:
+def field_of(flow: FreeSurfaceFlow, problem: Deposition, *, stream: bool = True) -> FlowField:
     """Return the flow as a `FlowField` in SI units.
 
     Parameters
     ----------
     flow : FreeSurfaceFlow
-        A solved flow, in units of ``length`` [m], ``speed`` [m/s] and ``viscosity`` [Pa s].
-    length, speed, viscosity : float
-        Those units.
+        A solved flow, in units of capillary width, bed speed and the viscosity at their rate.
+    problem : Deposition
+        What it solves: those units, and the melt.
     stream : bool
         With the stream function, a third of the work; it is zero without.
 
@@ -102,6 +101,7 @@ def field_of(
     component.
     """
     mesh, order = flow.mesh, flow.order + 1
+    length, speed = problem.nozzle.capillary_width, problem.bed_speed
     slope = ng.Grad(flow.velocity)
     parts = [slope[0, 0] - slope[1, 1], slope[0, 1], slope[1, 0]]
     gradient = _projections(mesh, flow.order, parts)
@@ -124,14 +124,16 @@ def field_of(
     L = np.stack([np.stack([half, xy], axis=-1), np.stack([yx, -half], axis=-1)], axis=1)
     bed = np.argmin(np.abs(values[:, 1]) + 1e-3 * np.abs(values[:, 0]))
     from_bed = values[:, 8] - values[bed, 8]
+    rate = np.sqrt(4 * half**2 + (xy + yx) ** 2) * problem.rate_scale
     return FlowField(
         order=order,
         points=values[:, :2] * length,
         cells=cells,
         velocity=values[:, 2:4] * speed,
-        pressure=values[:, 4] * (viscosity * speed / length),
-        gradient=L * (speed / length),
+        pressure=values[:, 4] * problem.stress_scale,
+        gradient=L * problem.rate_scale,
         stream_function=from_bed * (speed * length),
+        viscosity=problem.melt.viscosity_at(rate),
         gradient_error=np.zeros(len(values)),
     )
 

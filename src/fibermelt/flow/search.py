@@ -165,7 +165,9 @@ class SurfaceSearch:
         self.meshes += 1
         mesh = deposition_mesh(self.nozzle, surfaces, numerics)
         boundaries = _boundaries(self.problem, self.nozzle)
-        self._flow = FreeSurfaceFlow(mesh, boundaries, numerics.order, self.problem.scaled_law, self._flow)
+        self._flow = FreeSurfaceFlow(
+            mesh, boundaries, numerics.order, self.problem.scaled_law, self._flow
+        )
         return self._flow
 
     def tell(self, line: str) -> None:

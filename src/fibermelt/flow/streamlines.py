@@ -6,7 +6,7 @@ Lines are seeded at equal flux and numbered from the left edge of the nozzle (th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.flow.deposition import FlowSolution
 from fibermelt.flow.field import FlowField
-from fibermelt.flow.problem import Nozzle
+from fibermelt.flow.problem import Deposition
 from fibermelt.flow.tracing import Path, trace
 from fibermelt.history import FlowHistory
+from fibermelt.melt import ViscosityLaw
+from fibermelt.melt.slit import SlitFlow
 
 __all__ = ["Streamline", "inlet_seeds", "trace_streamlines"]
 
@@ -70,15 +72,14 @@ class Streamline:
     zone_time: Array
 
 
-def inlet_seeds(nozzle: Nozzle, count: int) -> tuple[Array, Array]:
-    """Return flux fractions ``(k - 1/2)/count`` and the x [m] on the inlet's parabola they pass.
+def inlet_seeds(problem: Deposition, count: int) -> tuple[Array, Array]:
+    """Return flux fractions ``(k - 1/2)/count`` and the x [m] at which they pass the inlet.
 
-    With ``z = x/w + 1/2`` the flux left of x is ``3 z^2 - 2 z^3``; its inverse is
-    ``z = 1/2 - sin(asin(1 - 2 f)/3)``.
+    The profile there is the melt's own in a slit.
     """
     fraction = (np.arange(count) + 0.5) / count
-    z = 0.5 - np.sin(np.arcsin(1 - 2 * fraction) / 3)
-    return fraction, (z - 0.5) * nozzle.inlet_width
+    inlet = SlitFlow(problem.melt, problem.nozzle.inlet_width, problem.inlet_speed)
+    return fraction, inlet.position_at_flux(fraction)
 
 
 def _first_below(height: Array, time: Array, level: float) -> float:
@@ -108,7 +109,9 @@ def _settled(history: FlowHistory, bed_speed: float) -> float:
     return float(history.time[min(unsettled[-1] + 1, len(history) - 1)])
 
 
-def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Array, Array]:
+def _history(
+    field: FlowField, melt: ViscosityLaw, path: Path, count: int
+) -> tuple[FlowHistory, Array, Array]:
     """Return the history at ``count`` points of ``path``, stream function and error there.
 
     Points are spread evenly over the mean of two measures, each scaled to one: arclength, and the
@@ -126,14 +129,14 @@ def _history(field: FlowField, path: Path, count: int) -> tuple[FlowHistory, Arr
         lost = xy[~place.found][0]
         msg = f"streamline point ({lost[0]:.4g}, {lost[1]:.4g}) m lies outside the mesh"
         raise ConvergenceError(msg)
-    gradient = field.evaluate(field.gradient, place)
     history = FlowHistory(
         time=time,
         position=xy,
         velocity=field.evaluate(field.velocity, place),
-        gradient=gradient,
+        gradient=field.evaluate(field.gradient, place),
         pressure=field.evaluate(field.pressure, place),
     )
+    history = replace(history, viscosity=melt.viscosity_at(history.shear_rate))
     psi, error = (field.evaluate(f, place) for f in (field.stream_function, field.gradient_error))
     return history, psi, error
 
@@ -158,7 +161,7 @@ def trace_streamlines(
         raise ConfigError(msg)
     nozzle, field = solution.problem.nozzle, solution.field
     width = nozzle.capillary_width
-    fraction, x = inlet_seeds(nozzle, count)
+    fraction, x = inlet_seeds(solution.problem, count)
     seeds = np.column_stack([x, np.full(count, nozzle.inlet_height * (1 - 1e-12))])
     paths = trace(field, seeds, nozzle.outlet, TRACING_TOLERANCE * width, 0.1 * width)
     corners = np.array(
@@ -166,7 +169,7 @@ def trace_streamlines(
     )
     lines = []
     for k, path in enumerate(paths):
-        history, psi, error = _history(field, path, points)
+        history, psi, error = _history(field, solution.problem.melt, path, points)
         near = np.linalg.norm(history.position[:, None] - corners, axis=2).min()
         y, time = history.position[:, 1], history.time
         levels = (nozzle.capillary_entrance, nozzle.gap)

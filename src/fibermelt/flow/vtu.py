@@ -33,7 +33,7 @@ def _spatial(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def write_vtu(field: FlowField, path: Path) -> None:
-    """Write the field to ``path``: velocity [m/s], pressure [Pa], gradient [1/s], psi [m2/s].
+    """Write the field to ``path``: velocity, pressure, gradient, viscosity and the rest, in SI.
 
     The gradient's nine components are those of ``L`` embedded in space, row by row.
     """
@@ -45,6 +45,7 @@ def write_vtu(field: FlowField, path: Path) -> None:
         _array("pressure", field.pressure),
         _array("velocity_gradient", gradient.reshape(-1, 9)),
         _array("shear_rate", field.shear_rate),
+        _array("viscosity", field.viscosity),
         _array("stream_function", field.stream_function),
         _array("velocity_gradient_error", field.gradient_error),
     ]

@@ -1,4 +1,4 @@
-"""What a law of viscosity is: one formula, from which arrays and finite elements take all they need.
+"""What a law of viscosity is: one formula, from which arrays and finite elements take all.
 
 A law gives its viscosity ``eta`` as a function of the squared rate of deformation
 ``s = gamma_dot^2 = 2 D:D`` by arithmetic alone. That one formula is evaluated on numbers, on
@@ -65,11 +65,11 @@ class Dual:
 
     def __truediv__(self, other: Any) -> Dual:
         """Return the quotient by another, or by a constant."""
-        return self * other**-1.0
+        return self.__mul__(other**-1.0)
 
     def __rtruediv__(self, other: Any) -> Dual:
         """Return a constant over this."""
-        return self**-1.0 * other
+        return self.__pow__(-1.0).__mul__(other)
 
 
 class ViscosityLaw(ABC):
@@ -130,7 +130,7 @@ class ViscosityLaw(ABC):
         return np.asarray(2 * np.sqrt(s) * self.expression(s)[1])
 
     def index_at(self, rate: ArrayLike) -> Array:
-        """Return the index of the power law that touches here, ``1 + d ln eta / d ln gamma_dot``."""
+        """Return the index of the power law that touches, ``1 + d ln eta / d ln gamma_dot``."""
         s = _squared(rate)
         viscosity, slope = self.expression(s)
         return np.asarray(1 + 2 * s * slope / viscosity)
@@ -154,8 +154,8 @@ class ViscosityLaw(ABC):
         self._require("index")
         if index > HIGHEST_INDEX:
             msg = (
-                f"melt.index = {index:g} must lie above 0 and at most {HIGHEST_INDEX:g}: 1 is Newtonian, "
-                "printed melts have 0.2 to 0.8"
+                f"melt.index = {index:g} must lie above 0 and at most {HIGHEST_INDEX:g}: "
+                "1 is Newtonian, printed melts have 0.2 to 0.8"
             )
             raise ConfigError(msg)
 

@@ -1,9 +1,9 @@
 """The fully developed flow of a melt in a slit: profile, wall rate, pressure drop, flux.
 
-The shear stress is linear across a slit whatever the law, ``tau = tau_w |z|`` with ``z`` from -1 to
-1 between the walls, so that ``gamma_dot(z)`` solves ``eta(gamma_dot) gamma_dot = tau_w |z|`` at each
-point by itself, and the mean speed ``U = (H/2) int_0^1 z gamma_dot dz`` (Weissenberg, Rabinowitsch)
-fixes ``tau_w``.
+The shear stress is linear across a slit whatever the law, ``tau = tau_w |z|`` with ``z`` from -1
+to 1 between the walls, so that ``gamma_dot(z)`` solves ``eta(gamma_dot) gamma_dot = tau_w |z|`` at
+each point by itself, and the mean speed ``U = (H/2) int_0^1 z gamma_dot dz`` (Weissenberg,
+Rabinowitsch) fixes ``tau_w``.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def _poiseuille(flow: FlowSolution) -> tuple[float, float]:
     width, middle = nozzle.capillary_width, nozzle.gap + 0.5 * nozzle.capillary_length
     y = middle + 0.1 * width * np.array([-1.0, 1.0])
     p = field.evaluate(field.pressure, field.locate(np.column_stack([np.zeros(2), y])))
-    exact = 12 * problem.melt.viscosity * problem.flux / width**3
+    exact = 12 * problem.viscosity_scale * problem.flux / width**3
     x = np.linspace(-0.49, 0.49, 41) * width
     place = field.locate(np.column_stack([x, np.full(41, middle)]))
     mean = problem.flux / width
@@ -101,7 +101,7 @@ def _scalings() -> tuple[float, float, float]:
     viscosity, speed = 10.0, 2.0
     scaled = Deposition(
         PAPER.nozzle,
-        Newtonian(viscosity=viscosity * PAPER.melt.viscosity),
+        Newtonian(viscosity=viscosity * PAPER.viscosity_scale),
         inlet_speed=speed * PAPER.inlet_speed,
         bed_speed=speed * PAPER.bed_speed,
     )

@@ -55,7 +55,14 @@ SCALARS = (
     "elements",
 )
 ERRORS = ("contact_point", "heel", "inlet_pressure")
-FIELDS = ("velocity", "pressure", "gradient", "stream_function", "gradient_error")
+FIELDS = (
+    "velocity",
+    "pressure",
+    "gradient",
+    "stream_function",
+    "viscosity",
+    "gradient_error",
+)
 
 
 def _problem(parameters: Parameters) -> Deposition:
@@ -119,9 +126,13 @@ def flow_from(
 def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Return what decides a flow but for the scales of velocities and pressures.
 
-    All that it reads but the melt, and the ratio of its speeds in place of both.
+    All that it reads but the melt and the speeds, and in their place the ratio of the speeds and
+    the melt's law in the flow's own units.
     """
-    from fibermelt.flow.rescale import speed_ratio  # noqa: PLC0415  lazy: see the module
+    from fibermelt.flow.rescale import (  # noqa: PLC0415  lazy: see the module
+        scaled_constants,
+        speed_ratio,
+    )
 
     speeds = ("flow.inlet_speed", "flow.bed_speed")
     kept = {
@@ -129,7 +140,9 @@ def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
         for key, value in parameters.items()
         if key not in speeds and not key.startswith("melt.")
     }
-    return {**kept, "flow.speed_ratio": speed_ratio(*(parameters[key] for key in speeds))}
+    ratio = speed_ratio(*(parameters[key] for key in speeds))
+    law = " ".join(scaled_constants(_problem(Parameters(parameters))))
+    return {**kept, "flow.speed_ratio": ratio, "melt.law": law}
 
 
 def _stored(solution: FlowSolution) -> xr.Dataset:
@@ -206,6 +219,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "pressure": along("pressure"),
             "gradient": along("gradient"),
             "shear_rate": along("shear_rate"),
+            "viscosity": along("viscosity"),
             "stream_function": stacked("stream_function"),
             "gradient_error": stacked("gradient_error"),
             "stream_function_drift": stacked("drift"),
