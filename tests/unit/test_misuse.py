@@ -83,7 +83,7 @@ def test_a_history_of_lists():
         ("time", "ab", "no array of numbers"),
         ("time", 3.0, "shape"),
         ("time", [], "shape"),
-        ("pressure", None, "shape"),
+        ("pressure", None, "no array of numbers"),
         ("position", [[0.0, 0.0], [1.0]], "no array of numbers"),
         ("gradient", np.zeros((2, 2, 2)) * 1j, "complex"),
     ],
