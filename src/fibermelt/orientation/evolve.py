@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.orientation.kinetics import ClosureLike, OrientationModel
+from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number
+from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
 from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
@@ -121,8 +121,9 @@ def follow_orientation(
         message has the time.
     """
     _check_tolerances(rtol, atol)
+    checked_law(model, closure)
     time, L = checked_history(history)
-    start = checked_orientation(np.asarray(a0, dtype=np.float64), "a0")
+    start = checked_orientation(a0, "a0")
     try:
         batch = np.broadcast_shapes(time.shape[:-1], start.shape[:-2])
     except ValueError as error:
@@ -239,6 +240,7 @@ def _combined(weights: tuple[float, ...], rates: list[Array]) -> Array:
 
 def _check_tolerances(rtol: float, atol: float) -> None:
     for name, value in (("rtol", rtol), ("atol", atol)):
+        refuse_no_number(name, value)
         if not (np.isfinite(value) and value > 0.0):
             msg = f"{name} = {value:g}: must be positive, e.g. 1e-8"
             raise ConfigError(msg)
