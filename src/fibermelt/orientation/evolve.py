@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
 from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
-from fibermelt.orientation.tensors import checked_orientation, out_of_range
+from fibermelt.orientation.tensors import checked_orientation, out_of_range, principal
 
 __all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
 
@@ -48,8 +48,21 @@ LARGEST_STRAIN = 1.0
 """Bound of ``|L| dt`` over a step: a stage beyond could leave for numbers that overflow."""
 
 MOST_STEPS = 4000
-"""Steps and attempts in one interval: a solution slides along a jump of the rate (orthotropic fits
-jump where eigenvalues cross), or the interval is longer than any history's."""
+"""Steps and attempts in one interval: beyond, it is longer than any history's."""
+
+MANY_REJECTED = 100
+"""Attempts in vain in one interval from which on a jump of the rate is looked for: crossing one, or
+leaving it, takes some forty."""
+
+NEAR_JUMP = 1e-6
+"""Gap of two eigenvalues, over their sum, at which they may lie on a jump: closures take those
+within 1e-7 as equal (`fibermelt.orientation.eigenframe.SAME`), where the state slides."""
+
+BESIDE_JUMP = 1e-5
+"""Gap, over their sum, at which the rates beside a jump are taken: well off what counts as equal."""
+
+SMALL_GAP = 1e-9
+"""The same where both eigenvalues are zero: above their rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,8 +130,16 @@ def follow_orientation(
     ConfigError
         If ``a0`` is no orientation tensor, or a tolerance is not positive.
     ConvergenceError
-        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; the
-        message has the time.
+        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; or at
+        once where two eigenvalues coincide and the closure jumps so that it drives them together
+        from both sides. The message has the time.
+
+    Notes
+    -----
+    Fitted orthotropic closures (ORF, ORL, ORW, ORW3, and ORE by a twentieth) jump where eigenvalues
+    coincide. If the rates on both sides lead back there the equation has no solution in the
+    ordinary sense: the state slides along the jump, the smaller the tolerance the shorter the
+    steps. Fibers that enter aligned, of which two eigenvalues are zero, begin there.
     """
     _check_tolerances(rtol, atol)
     checked_law(model, closure)
@@ -183,7 +204,9 @@ class _Run:
         longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
         self.step, self.refusal = min(self.step, longest), ""
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
+        in_vain = 0
         while u < 1.0:
+            moment = float(np.ravel(time[..., k] + u * self.duration[..., k])[0])
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
             left = 1.0 - u
             parts = np.ceil(left / self.step * (1.0 - 1e-12))
@@ -193,6 +216,9 @@ class _Run:
             worst = float(np.max(np.abs(difference) / bound, initial=0.0))
             if not worst <= 1.0:  # a rate that is not a number is refused too
                 self.rejected += 1
+                in_vain += 1
+                if in_vain >= MANY_REJECTED:
+                    self._refuse_sliding(a, self.gradient.at(k, u), moment)
                 self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)
                 continue
             factor = FASTEST if worst == 0.0 else min(FASTEST, SAFETY * worst**-0.2)
@@ -216,6 +242,43 @@ class _Run:
                 self.refusal = f"; of the last step that was refused, {error}"
                 return a, rate, np.full_like(a, np.inf)
         return state, rates[-1], dt * _combined(DIFFERENCE, rates)
+
+    def _refuse_sliding(self, a: Array, L: Array, time: float) -> None:
+        """Refuse to go on where the rate jumps and leads back to the jump from both sides."""
+        tensors = a.reshape(-1, 3, 3)
+        gradients = np.broadcast_to(L, a.shape).reshape(-1, 3, 3)
+        values, vectors = principal(tensors)
+        for i in (0, 1):
+            size = np.abs(values[:, i]) + np.abs(values[:, i + 1])
+            gap = np.maximum(BESIDE_JUMP * size, SMALL_GAP)
+            near = values[:, i] - values[:, i + 1] <= np.maximum(NEAR_JUMP * size, SMALL_GAP)
+            for k in np.flatnonzero(near):
+                apart = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
+                if max(apart) < 0.0:
+                    raise ConvergenceError(self._sliding(values[k, i], apart, time))
+
+    def _parting(
+        self, values: Array, vectors: Array, i: int, gap: float, L: Array
+    ) -> tuple[float, float]:
+        """Return how fast eigenvalues i and i + 1 part [1/s] if either is the larger by ``gap``."""
+        rates = []
+        for sign in (1.0, -1.0):
+            beside = values.copy()
+            beside[i : i + 2] = values[i : i + 2].mean() + 0.5 * sign * gap * np.array([1.0, -1.0])
+            rate = self.model.rate((vectors * beside) @ vectors.T, L, self.closure)
+            inner = vectors.T @ rate @ vectors
+            rates.append(sign * float(inner[i, i] - inner[i + 1, i + 1]))
+        return rates[0], rates[1]
+
+    def _sliding(self, value: float, apart: tuple[float, float], time: float) -> str:
+        return (
+            f"orientation with {self.model.name} and closure {self.closure.name}: at t = "
+            f"{time:.6g} s two eigenvalues are {value:.4g}, and the closure, a fit that jumps "
+            f"there, drives them together from both sides (at {-apart[0]:.2g} and "
+            f"{-apart[1]:.2g} 1/s): the equation has no solution beyond but one that slides along "
+            f"the jump. Take a closure that does not jump (ORS, IBOF, exact), or a tolerance "
+            f"above the jump, e.g. rtol = 1e-5, atol = 1e-7, here {self.rtol:g} and {self.atol:g}"
+        )
 
     def _check_effort(self, time: float, before: int) -> None:
         """Refuse to go on where steps have become too small or too many."""
