@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number
+from fibermelt.orientation.flows import strain_and_spin
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
 from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range, principal
@@ -50,16 +51,17 @@ LARGEST_STRAIN = 1.0
 MOST_STEPS = 4000
 """Steps and attempts in one interval: beyond, it is longer than any history's."""
 
-MANY_REJECTED = 100
-"""Attempts in vain in one interval from which on a jump of the rate is looked for: crossing one, or
-leaving it, takes some forty."""
+MANY_REJECTED, MANY_STEPS = 100, 2000
+"""Attempts in vain, and in all, in one interval from which on a jump of the rate is looked for:
+crossing one, or leaving it, takes some forty; a short slide at most as many as that."""
 
-NEAR_JUMP = 1e-6
-"""Gap of two eigenvalues, over their sum, at which they may lie on a jump: closures take those
-within 1e-7 as equal (`fibermelt.orientation.eigenframe.SAME`), where the state slides."""
+NEAR_JUMP, NEAR_TOLERANCES = 1e-6, 100.0
+"""Gap of two eigenvalues, over their sum, or over the absolute tolerance, at which they may lie on
+a jump: closures take those within 1e-7 as equal (`fibermelt.orientation.eigenframe.SAME`), and
+steps that are accepted circle around it."""
 
 BESIDE_JUMP = 1e-5
-"""Gap, over their sum, at which the rates beside a jump are taken: well off what counts as equal."""
+"""Gap, over their sum, at which the rates beside a jump are taken: off what counts as equal."""
 
 SMALL_GAP = 1e-9
 """The same where both eigenvalues are zero: above their rounding."""
@@ -128,7 +130,8 @@ def follow_orientation(
     HistoryError
         If time does not increase, shapes disagree, or a gradient has a trace.
     ConfigError
-        If ``a0`` is no orientation tensor, or a tolerance is not positive.
+        If ``a0`` is no orientation tensor, a tolerance not positive, or the model's diffusion
+        negative in this flow where there are no fibers.
     ConvergenceError
         If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; or at
         once where two eigenvalues coincide and the closure jumps so that it drives them together
@@ -144,6 +147,7 @@ def follow_orientation(
     _check_tolerances(rtol, atol)
     checked_law(model, closure)
     time, L = checked_history(history)
+    model.refuse_flow(strain_and_spin(L)[0])
     start = checked_orientation(a0, "a0")
     try:
         batch = np.broadcast_shapes(time.shape[:-1], start.shape[:-2])
@@ -208,6 +212,8 @@ class _Run:
         while u < 1.0:
             moment = float(np.ravel(time[..., k] + u * self.duration[..., k])[0])
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
+            if in_vain >= MANY_REJECTED or self.steps + self.rejected - before >= MANY_STEPS:
+                self._refuse_sliding(a, self.gradient.at(k, u), moment)
             left = 1.0 - u
             parts = np.ceil(left / self.step * (1.0 - 1e-12))
             h = left / parts
@@ -217,8 +223,6 @@ class _Run:
             if not worst <= 1.0:  # a rate that is not a number is refused too
                 self.rejected += 1
                 in_vain += 1
-                if in_vain >= MANY_REJECTED:
-                    self._refuse_sliding(a, self.gradient.at(k, u), moment)
                 self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)
                 continue
             factor = FASTEST if worst == 0.0 else min(FASTEST, SAFETY * worst**-0.2)
@@ -250,12 +254,13 @@ class _Run:
         values, vectors = principal(tensors)
         for i in (0, 1):
             size = np.abs(values[:, i]) + np.abs(values[:, i + 1])
-            gap = np.maximum(BESIDE_JUMP * size, SMALL_GAP)
-            near = values[:, i] - values[:, i + 1] <= np.maximum(NEAR_JUMP * size, SMALL_GAP)
+            apart = values[:, i] - values[:, i + 1]
+            gap = np.maximum(np.maximum(BESIDE_JUMP * size, SMALL_GAP), 10.0 * apart)
+            near = apart <= np.maximum(NEAR_JUMP * size, NEAR_TOLERANCES * self.atol)
             for k in np.flatnonzero(near):
-                apart = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
-                if max(apart) < 0.0:
-                    raise ConvergenceError(self._sliding(values[k, i], apart, time))
+                rates = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
+                if max(rates) < 0.0:
+                    raise ConvergenceError(self._sliding(values[k, i], rates, time))
 
     def _parting(
         self, values: Array, vectors: Array, i: int, gap: float, L: Array

@@ -110,6 +110,10 @@ class OrientationModel(ABC):
         del factor
         return self
 
+    def refuse_flow(self, D: Array) -> None:
+        """Refuse strain rates (..., 3, 3) [1/s] in which the law has no sense; here none."""
+        del D
+
     def rate(self, a: Array, L: Array, closure: ClosureLike) -> Array:
         """Return ``a_dot`` [1/s], (..., 3, 3).
 

@@ -182,8 +182,8 @@ def steady_state(
     Raises
     ------
     ConfigError
-        If nothing is strained, ``start`` is no orientation tensor, or the model has no diffusion
-        and there is no ``start``.
+        If nothing is strained, ``start`` is no orientation tensor, the model has no diffusion and
+        there is no ``start``, or its diffusion is negative in this flow where there are no fibers.
     HistoryError
         If ``L`` has a trace or is not finite.
     ConvergenceError
@@ -199,6 +199,7 @@ def steady_state(
     """
     checked_law(model, closure)
     problem = _Problem(model.without_retardation(), *_checked_flow(L), closure)
+    model.refuse_flow(strain_and_spin(problem.L)[0])
     if start is None:
         point, steps = _continued(problem)
     else:
