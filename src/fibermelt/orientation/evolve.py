@@ -42,6 +42,9 @@ DIFFERENCE = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 5.0
 """Factors of the step control; the exponent is 1/5, the estimate being of order ``h^5``."""
 
+SLOWEST_AGAIN = 0.1
+"""The same at the second refusal in a row, when the exponent is 1."""
+
 SMALLEST_STEP = 2.0**-40
 """Smallest part of an interval: below it time hardly moves, and the rate is not smooth."""
 
@@ -51,9 +54,9 @@ LARGEST_STRAIN = 1.0
 MOST_STEPS = 4000
 """Steps and attempts in one interval: beyond, it is longer than any history's."""
 
-MANY_REJECTED, MANY_STEPS = 100, 2000
+MANY_REJECTED, MANY_STEPS = 300, 2000
 """Attempts in vain, and in all, in one interval from which on a jump of the rate is looked for:
-crossing one, or leaving it, takes some forty; a short slide at most as many as that."""
+crossing one, or leaving it, takes some ten; slides that are short enough for 4000 take fewer."""
 
 NEAR_JUMP, NEAR_TOLERANCES = 1e-6, 100.0
 """Gap of two eigenvalues, over their sum, or over the absolute tolerance, at which they may lie on
@@ -62,6 +65,9 @@ steps that are accepted circle around it."""
 
 BESIDE_JUMP = 1e-5
 """Gap, over their sum, at which the rates beside a jump are taken: off what counts as equal."""
+
+AXES_TRIED = 36
+"""Directions of a pair of axes over half a turn, evenly: of what goes with twice the angle."""
 
 SMALL_GAP = 1e-9
 """The same where both eigenvalues are zero: above their rounding."""
@@ -208,7 +214,7 @@ class _Run:
         longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
         self.step, self.refusal = min(self.step, longest), ""
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
-        in_vain = 0
+        in_vain = in_a_row = 0
         while u < 1.0:
             moment = float(np.ravel(time[..., k] + u * self.duration[..., k])[0])
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
@@ -223,9 +229,15 @@ class _Run:
             if not worst <= 1.0:  # a rate that is not a number is refused too
                 self.rejected += 1
                 in_vain += 1
-                self.step = h * (max(SLOWEST, SAFETY * worst**-0.2) if worst < np.inf else SLOWEST)
+                in_a_row += 1
+                # a second time means a jump, across which the error goes with h alone
+                order = 0.2 if in_a_row == 1 else 1.0
+                least = SLOWEST if in_a_row == 1 else SLOWEST_AGAIN
+                self.step = h * (max(least, SAFETY * worst**-order) if worst < np.inf else SLOWEST)
                 continue
-            factor = FASTEST if worst == 0.0 else min(FASTEST, SAFETY * worst**-0.2)
+            most = FASTEST if in_a_row == 0 else 1.0
+            factor = most if worst == 0.0 else min(most, SAFETY * worst**-0.2)
+            in_a_row = 0
             # the last part of an interval may be short for no reason of accuracy
             self.step = min(longest, max(self.step, h * factor) if factor >= 1.0 else h * factor)
             self.steps += 1
@@ -248,7 +260,7 @@ class _Run:
         return state, rates[-1], dt * _combined(DIFFERENCE, rates)
 
     def _refuse_sliding(self, a: Array, L: Array, time: float) -> None:
-        """Refuse to go on where the rate jumps and leads back to the jump from both sides."""
+        """Refuse to go on where the rate jumps and leads back to the jump from beside it."""
         tensors = a.reshape(-1, 3, 3)
         gradients = np.broadcast_to(L, a.shape).reshape(-1, 3, 3)
         values, vectors = principal(tensors)
@@ -258,32 +270,40 @@ class _Run:
             gap = np.maximum(np.maximum(BESIDE_JUMP * size, SMALL_GAP), 10.0 * apart)
             near = apart <= np.maximum(NEAR_JUMP * size, NEAR_TOLERANCES * self.atol)
             for k in np.flatnonzero(near):
-                rates = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
-                if max(rates) < 0.0:
-                    raise ConvergenceError(self._sliding(values[k, i], rates, time))
+                fastest = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
+                if fastest < 0.0:
+                    msg = (
+                        f"orientation with {self.model.name} and closure {self.closure.name}: at "
+                        f"t = {time:.6g} s two eigenvalues are {values[k, i]:.4g}, and the closure "
+                        "jumps there, as fits do, so that it drives them together from every side "
+                        f"(at {-fastest:.2g} 1/s or more): there is no solution but one that "
+                        "slides along the jump. Take a closure that does not jump (ORS, IBOF, "
+                        "exact), or a tolerance that does not see it, e.g. rtol = 1e-5, atol = "
+                        f"1e-7 (here {self.rtol:g}, {self.atol:g})"
+                    )
+                    raise ConvergenceError(msg)
 
-    def _parting(
-        self, values: Array, vectors: Array, i: int, gap: float, L: Array
-    ) -> tuple[float, float]:
-        """Return how fast eigenvalues i and i + 1 part [1/s] if either is the larger by ``gap``."""
-        rates = []
-        for sign in (1.0, -1.0):
-            beside = values.copy()
-            beside[i : i + 2] = values[i : i + 2].mean() + 0.5 * sign * gap * np.array([1.0, -1.0])
-            rate = self.model.rate((vectors * beside) @ vectors.T, L, self.closure)
-            inner = vectors.T @ rate @ vectors
-            rates.append(sign * float(inner[i, i] - inner[i + 1, i + 1]))
-        return rates[0], rates[1]
+    def _parting(self, values: Array, vectors: Array, i: int, gap: float, L: Array) -> float:
+        """Return how fast eigenvalues i and i + 1 part beside a jump [1/s], the largest rate.
 
-    def _sliding(self, value: float, apart: tuple[float, float], time: float) -> str:
-        return (
-            f"orientation with {self.model.name} and closure {self.closure.name}: at t = "
-            f"{time:.6g} s two eigenvalues are {value:.4g}, and the closure, a fit that jumps "
-            f"there, drives them together from both sides (at {-apart[0]:.2g} and "
-            f"{-apart[1]:.2g} 1/s): the equation has no solution beyond but one that slides along "
-            f"the jump. Take a closure that does not jump (ORS, IBOF, exact), or a tolerance "
-            f"above the jump, e.g. rtol = 1e-5, atol = 1e-7, here {self.rtol:g} and {self.atol:g}"
-        )
+        Of all axes that they may have, those count to which the axes turn: they do so at a rate
+        that grows like the jump over the gap. Infinite if there are none.
+        """
+        angle = np.pi * (np.arange(AXES_TRIED) + 0.5) / AXES_TRIED
+        axes = np.repeat(vectors[None], AXES_TRIED, axis=0)
+        first, second = vectors[:, i], vectors[:, i + 1]
+        axes[:, :, i] = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
+        axes[:, :, i + 1] = np.cos(angle)[:, None] * second - np.sin(angle)[:, None] * first
+        beside = values.copy()
+        beside[i : i + 2] = values[i : i + 2].mean() + 0.5 * gap * np.array([1.0, -1.0])
+        states = (axes * beside) @ axes.swapaxes(-1, -2)
+        rate = axes.swapaxes(-1, -2) @ self.model.rate(states, L, self.closure) @ axes
+        turn, part = rate[:, i, i + 1], rate[:, i, i] - rate[:, i + 1, i + 1]
+        ahead = np.roll(turn, -1)  # half a turn gives the same axes
+        settled = (turn > 0.0) & (ahead < 0.0)
+        share = turn[settled] / (turn - ahead)[settled]
+        there = (1.0 - share) * part[settled] + share * np.roll(part, -1)[settled]
+        return float(np.max(there)) if there.size else np.inf
 
     def _check_effort(self, time: float, before: int) -> None:
         """Refuse to go on where steps have become too small or too many."""
