@@ -36,8 +36,8 @@ CURVE = fiber.StallCurve(6.0, np.array([3.0, 4.0]), np.array([1.1, 0.9]), 0.0)
 FOLGAR, ORE = fm.FolgarTucker(0.9, 0.01), fm.closure("ORE")
 CLASSICAL = voids.ClassicalNucleation(23.8e-3, 503.15, 6.6e25)
 HAN = voids.HanHan(23.8e-3, 503.15, 6.6e25, 2.3e-10, 1e-3, 0.0, 1.0, 0.0)
-HENRY = voids.Henry(1e-8, 0.0, 503.15, (400.0, 600.0))
-ACTIVITY = voids.ActivityLaw((0.01,), 0.0, 503.15, (400.0, 600.0))
+HENRY = voids.Henry(1e-8, 503.15, 0.0, (400.0, 600.0))
+ACTIVITY = voids.ActivityLaw(0.01, 503.15, 0.0, (400.0, 600.0))
 FLORY = voids.FloryHuggins(4.0, 1050.0)
 FREE = voids.FreeVolume(
     4.82e-8, 0.0, (0.917e-3, 0.728e-3), 0.82, (1.45e-6, 4.33e-7), (-86.32, -258.2), 0.5
@@ -81,7 +81,10 @@ def spatial(time: object, gradient: object) -> SimpleNamespace:
 TIMED: dict[str, Case] = {
     "FlowHistory time": (lambda t: history(time=t), HISTORY.time),
     "extremes middle_time": (lambda t: fm.extremes(HISTORY, PRESSURE, MOTION, t), np.array(1.0)),
-    "extreme_bounds middle_time": (lambda t: fiber.extreme_bounds(HISTORY, BOUNDS, t), ONE[0:1][0]),
+    "extreme_bounds middle_time": (
+        lambda t: fiber.extreme_bounds(HISTORY, BOUNDS, t),
+        np.array(1.0),
+    ),
     "isotropic_pressure middle_time": (
         lambda t: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, t),
         np.array(1.0),
@@ -203,9 +206,17 @@ PLAIN: dict[str, Case] = {
     "orbit_phase direction": (lambda p: fiber.orbit_phase(p, 6.0), AXIS),
     "planar_directions angles": (fiber.planar_directions, TIMES),
     **{
-        f"SpheroidResponse.{name} gradient": (lambda L, f=name: getattr(SPHEROID, f)(L, AXIS), SHEAR)
+        f"SpheroidResponse.{name} gradient": (
+            lambda L, f=name: getattr(SPHEROID, f)(L, AXIS),
+            SHEAR,
+        )
         for name in (
-            "rate", "angular_velocity", "surface_stress", "tip", "extremes", "extreme_values",
+            "rate",
+            "angular_velocity",
+            "surface_stress",
+            "tip",
+            "extremes",
+            "extreme_values",
         )
     },
     **{
@@ -214,7 +225,12 @@ PLAIN: dict[str, Case] = {
             AXIS,
         )
         for name in (
-            "rate", "angular_velocity", "surface_stress", "tip", "extremes", "extreme_values",
+            "rate",
+            "angular_velocity",
+            "surface_stress",
+            "tip",
+            "extremes",
+            "extreme_values",
         )
     },
     "SpheroidResponse.bounds gradient": (SPHEROID.bounds, SHEAR),
@@ -249,11 +265,11 @@ PLAIN: dict[str, Case] = {
     "vapor_angle factor": (voids.vapor_angle, HALF),
     "wetting_factor angle": (voids.wetting_factor, HALF),
     "Arrhenius.diffusivity temperature": (
-        voids.Arrhenius(1e-6, 3e4, (400.0, 600.0)).diffusivity,
+        voids.Arrhenius(1e-6, 3e3, (400.0, 600.0)).diffusivity,
         HOT,
     ),
     "LinearTension.at temperature": (
-        voids.LinearTension(0.03, -5e-5, 503.15, (400.0, 600.0)).at,
+        voids.LinearTension(0.03, 503.15, -5e-5, (400.0, 600.0)).at,
         HOT,
     ),
     "Parachor.tension molar_volume": (voids.Parachor(1e-5).tension, LITTLE),
