@@ -349,7 +349,7 @@ def test_what_is_no_number_is_refused(name: str, kind: str) -> None:
 def test_a_duration_where_none_is_meant(name: str) -> None:
     call, good = PLAIN[name]
     call(good)  # as it was it is fine
-    with pytest.raises(fm.FibermeltError, match="holds durations: give numbers in SI$"):
+    with pytest.raises(fm.FibermeltError, match=r"holds durations: give numbers in SI$"):
         call(np.zeros(np.shape(good), "m8[s]"))
 
 

@@ -96,7 +96,7 @@ def test_durations_of_other_packages():
 @pytest.mark.parametrize("unit", ["Y", "M", ""])
 def test_durations_that_are_no_seconds(unit):
     given = np.array([1, 2], f"m8[{unit}]" if unit else "m8")
-    with pytest.raises(fm.ConfigError, match="time holds durations: .*seconds"):
+    with pytest.raises(fm.ConfigError, match=r"time holds durations: .*seconds"):
         real_array("time", given, duration=True)
 
 

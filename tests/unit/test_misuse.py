@@ -86,7 +86,7 @@ def test_a_cell_in_place_of_its_response(call):
         ("fiber.half_length = True", lambda: fm.Ellipse(True, 6.0)),
         ("folgar-tucker: interaction = '0.01'", lambda: fm.FolgarTucker(0.9, "0.01")),
         (
-            "closure is of the type str, must be one",
+            "closure is of the type str: must be one",
             lambda: fm.steady_state(fm.FolgarTucker(0.9, 0.01), [[0, 1], [0, 0]], "ORE"),
         ),
         (

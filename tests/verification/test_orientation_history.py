@@ -149,7 +149,7 @@ def test_what_no_history_can_have_is_refused() -> None:
 def test_a_rate_that_cannot_be_followed_is_an_error() -> None:
     """Fits jump where eigenvalues cross: the solution slides along the jump for ever."""
     path = (np.array([0.0, 5e3]), np.stack([FLOWS["planar"]] * 2))
-    with pytest.raises(ConvergenceError, match="closure ORF: the interval from t = 0 s"):
+    with pytest.raises(ConvergenceError, match=r"closure ORF: at t = .* jumps there"):
         follow_orientation(FolgarTucker(XI, 1e-3), CLOSURES["ORF"], path, isotropic())
 
 
@@ -171,8 +171,8 @@ def test_a_slide_along_a_jump_is_told(model: OrientationModel, closure: str, axi
         follow_orientation(model, CLOSURES[closure], path, start, rtol=100.0 * atol, atol=atol)
         for atol in (1e-6, 1e-7)
     )
-    # a slide is followed to first order of the steps, which the tolerance sets
-    assert np.max(np.abs(coarse.a - finer.a)) < 1e-4
+    # followed to first order of the steps only: a quarter of the fits' own error there, 2e-3
+    assert np.max(np.abs(coarse.a - finer.a)) < 5e-4
     smooth = follow_orientation(model, CLOSURES["IBOF"], path, start)
     assert np.max(np.abs(finer.a - smooth.a)) < 0.02  # closures differ by more than the slide
 
