@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import PurePath
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "StoreError",
     "legible",
     "legible_path",
+    "refuse_no_count",
     "refuse_no_number",
     "refuse_other",
 ]
@@ -69,7 +70,9 @@ def refuse_no_number(name: str, value: object) -> None:
     ConfigError
         If it is no real number: the name, the value and what is expected.
     """
-    if not isinstance(value, Real):
+    # numpy counts durations among the whole numbers, Python truth values
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if isinstance(value, bool) or not isinstance(value, Real) or kind not in "iuf":
         msg = (
             f"{name} = {legible(repr(value))}: must be one number, in SI; "
             "units are read in studies and on the command line only"
@@ -77,7 +80,33 @@ def refuse_no_number(name: str, value: object) -> None:
         raise ConfigError(msg)
 
 
-def refuse_other(name: str, value: object, expected: type) -> None:
+def refuse_no_count(name: str, value: object, least: int = 1, why: str = "") -> None:
+    """Refuse what is not a whole number, or too small a one.
+
+    Parameters
+    ----------
+    name : str
+        What the message calls it.
+    value : object
+        What was given.
+    least : int
+        The smallest that is taken.
+    why : str
+        What needs so many, for the message.
+
+    Raises
+    ------
+    ConfigError
+        If it is no such number: a float is none, even if it is whole.
+    """
+    kind = getattr(getattr(value, "dtype", None), "kind", "i")
+    is_other = isinstance(value, bool) or not isinstance(value, Integral) or kind not in "iu"
+    if is_other or int(value) < least:  # type: ignore[call-overload]
+        msg = f"{name} = {legible(repr(value))}: must be a whole number of at least {least}"
+        raise ConfigError(msg + (f"; {why}" if why else ""))
+
+
+def refuse_other(name: str, value: object, expected: type | tuple[type, ...]) -> None:
     """Refuse a value of another type than the one that is worked with.
 
     Parameters
@@ -86,7 +115,7 @@ def refuse_other(name: str, value: object, expected: type) -> None:
         What the message calls it.
     value : object
         What was given.
-    expected : type
+    expected : type or tuple of types
         What it must be.
 
     Raises
@@ -98,7 +127,9 @@ def refuse_other(name: str, value: object, expected: type) -> None:
         return
     holds = isinstance(getattr(value, "response", None), expected)
     way = ": give its .response" if holds else ""
-    msg = f"{name} is of the type {type(value).__name__}, must be {expected.__name__}{way}"
+    kinds = expected if isinstance(expected, tuple) else (expected,)
+    wanted = " or ".join(kind.__name__ for kind in kinds)
+    msg = f"{name} is of the type {type(value).__name__}, must be {wanted}{way}"
     raise ConfigError(msg)
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from fibermelt.errors import HistoryError
+from fibermelt.arrays import Unchanging, real_array
+from fibermelt.errors import HistoryError, refuse_no_count, refuse_no_number
 
 __all__ = ["FlowHistory", "simple_shear"]
 
@@ -22,13 +23,14 @@ TRACE_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class FlowHistory:
+class FlowHistory(Unchanging):
     """What a material point meets on its way, in SI units.
 
     Parameters
     ----------
     time : (n,) array
-        Time since the start of the path [s], strictly increasing.
+        Time since the start of the path [s], strictly increasing; durations (``timedelta64``) are
+        taken as seconds.
     position : (n, 2) array
         Where the point is [m].
     velocity : (n, 2) array
@@ -48,7 +50,8 @@ class FlowHistory:
 
     Notes
     -----
-    The arrays are copies, and read-only: what was computed from a history may be kept for it.
+    The arrays are copies, and read-only, in copies of a history, too: what was computed from one
+    may be kept for it.
     """
 
     time: Array
@@ -63,7 +66,12 @@ class FlowHistory:
         names = ["time", "position", "velocity", "gradient", "pressure"]
         names += ["viscosity"] if self.viscosity is not None else []
         for name in names:
-            object.__setattr__(self, name, _own(name, getattr(self, name)))
+            value = getattr(self, name)
+            numbers = real_array(
+                f"history: {name}", value, error=HistoryError, duration=name == "time"
+            )
+            object.__setattr__(self, name, np.array(numbers))
+        super().__post_init__()
         n = self.time.size
         shapes = {
             "time": (n,),
@@ -126,20 +134,6 @@ class FlowHistory:
         return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
 
 
-def _own(name: str, value: ArrayLike) -> Array:
-    """Return a read-only copy of numbers as an array, or refuse what is none."""
-    try:
-        if np.iscomplexobj(value):
-            msg = f"history: {name} is complex: give real numbers in SI"
-            raise HistoryError(msg)
-        owned = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        msg = f"history: {name} is no array of numbers: give numbers in SI, rows of one length"
-        raise HistoryError(msg) from error
-    owned.setflags(write=False)
-    return owned
-
-
 def _refuse_still(time: Array) -> None:
     """Refuse times that are too few or do not increase."""
     if time.size < 2:
@@ -166,7 +160,17 @@ def simple_shear(rate: float, duration: float, points: int = 201) -> FlowHistory
         Length of the history [s].
     points : int
         Number of points on it.
+
+    Raises
+    ------
+    ConfigError
+        If rate or duration is no number, or the points no whole one.
+    HistoryError
+        If they are not finite, the duration is not positive, or the points are fewer than two.
     """
+    refuse_no_number("rate", rate)
+    refuse_no_number("duration", duration)
+    refuse_no_count("points", points, 0)
     gradient = np.zeros((points, 2, 2))
     gradient[:, 0, 1] = rate
     return FlowHistory(

@@ -204,7 +204,7 @@ def test_exact_closure_refuses_what_no_distribution_has():
         (np.eye(2) / 2, "shape"),
         (np.diag([np.nan, 0.5, 0.5]), "nan"),
         (np.diag([0.2, 0.5, 0.3]) + 1e-6 * np.eye(3, k=1), "not symmetric: component 12"),
-        ([["a"]], "not an array of numbers"),
+        ([["a"]], "no array of numbers"),
     ],
 )
 def test_what_is_no_orientation_tensor(bad, message):

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 import fibermelt as fm
+from fibermelt import fiber
+from fibermelt.fiber.shape import jeffery_factor
+from fibermelt.flow.deposition import FlowSolution
+from fibermelt.orientation import shape_factor
 
+PARTS = ("time", "position", "velocity", "gradient", "pressure")
 ELLIPSE = fm.Ellipse(42e-6, 6.0)
 RESPONSE = fm.unbounded_ellipse(ELLIPSE)
 HISTORY = fm.simple_shear(1.0, 2.0, 5)
@@ -60,6 +65,63 @@ def test_a_cell_in_place_of_its_response(call):
         call(ELLIPSE)
 
 
+@pytest.mark.parametrize(
+    ("said", "call"),
+    [
+        ("fiber.domain_size = '4': must be one number", lambda: fm.solve_cell(ELLIPSE, "4")),
+        ("fiber is of the type str, must be Ellipse", lambda: fm.solve_cell("fiber", 4.0)),
+        ("solution is of the type str", lambda: fm.trace_streamlines("flow")),
+        ("closure is of the type NoneType, must be str", lambda: fm.closure(None)),
+        ("initial_angles is no array of numbers", lambda: fm.follow(HISTORY, 0.9, ["0 deg"])),
+        ("shape_factor = '0.9': must be one number", lambda: fm.follow(HISTORY, "0.9", [0.0])),
+        (
+            "path is of the type Solved, must be FlowHistory or PathBundle",
+            lambda: fm.follow(Solved(), 0.9, [0.0]),
+        ),
+        ("histories is of the type FlowHistory", lambda: fm.PathBundle(HISTORY)),
+        (r"count = 2.5: must be a whole number of at least 1", lambda: fm.isotropic_angles(2.5)),
+        (r"count = True: must be a whole number", lambda: fm.isotropic_angles(True)),
+        (r"points = 2.5: must be a whole number", lambda: fm.simple_shear(1.0, 1.0, 2.5)),
+        ("shear_rate = np.timedelta64", lambda: fm.orbit(RESPONSE, np.timedelta64(1, "s"), 817.0)),
+        ("fiber.half_length = True", lambda: fm.Ellipse(True, 6.0)),
+        ("folgar-tucker: interaction = '0.01'", lambda: fm.FolgarTucker(0.9, "0.01")),
+        (
+            "closure is of the type str: must be one",
+            lambda: fm.steady_state(fm.FolgarTucker(0.9, 0.01), [[0, 1], [0, 0]], "ORE"),
+        ),
+        (
+            "model is of the type str",
+            lambda: fm.follow_orientation("rsc", fm.closure("ORE"), HISTORY, np.eye(3) / 3),
+        ),
+        (
+            "history is of the type str",
+            lambda: fm.follow_orientation(
+                fm.FolgarTucker(0.9, 0.01), fm.closure("ORE"), "path", np.eye(3) / 3
+            ),
+        ),
+        ("problem is of the type Nozzle", lambda: fm.solve_deposition(fm.Nozzle())),
+        ("numerics.growth = '0.3'", lambda: fm.FlowNumerics(growth="0.3")),
+    ],
+)
+def test_what_is_of_another_kind_is_refused_by_name(said, call):
+    with pytest.raises(fm.FibermeltError, match=f"^{said}"):
+        call()
+
+
+@pytest.mark.parametrize("points", ["count", "points"])
+def test_streamlines_are_counted(points):
+    field = object.__new__(FlowSolution)  # the count is looked at first
+    with pytest.raises(fm.ConfigError, match=rf"^streamlines.{points} = 62.5: must be a whole"):
+        fm.trace_streamlines(field, **{points: 62.5})
+
+
+def test_the_factor_of_an_endless_fiber_is_one():
+    for factor in (shape_factor, jeffery_factor):
+        assert factor(1e200) == 1.0
+        assert factor(np.float64(1e300)) == 1.0
+        assert factor(1e-200) == -1.0
+
+
 def test_a_melt_in_place_of_a_nozzle():
     with pytest.raises(fm.ConfigError, match="nozzle is of the type Newtonian, must be Nozzle"):
         fm.Deposition(fm.Newtonian(817.0), fm.Nozzle())
@@ -68,6 +130,25 @@ def test_a_melt_in_place_of_a_nozzle():
 def test_a_motion_along_another_path():
     with pytest.raises(fm.HistoryError, match="has 3 points, the motion was followed over 5"):
         fm.surface_pressure(fm.simple_shear(1.0, 2.0, 3), RESPONSE, 817.0, MOTION)
+
+
+@pytest.mark.parametrize("name", ["time", "gradient", "velocity", "pressure"])
+def test_a_motion_along_another_path_of_equal_length(name):
+    parts = {key: getattr(HISTORY, key) for key in PARTS}
+    other = fm.FlowHistory(**{**parts, name: parts[name] * 2.0 + (name != "gradient")})
+    pressure = fm.surface_pressure(HISTORY, RESPONSE, 817.0, MOTION)
+    for call in (
+        lambda: fm.surface_pressure(other, RESPONSE, 817.0, MOTION),
+        lambda: fm.extremes(other, pressure, MOTION, 1.0),
+        lambda: fiber.angle_to_stream(other, MOTION),
+        lambda: fiber.angle_to_stream_at(other, MOTION, [1.0]),
+    ):
+        with pytest.raises(fm.HistoryError, match=rf"^the motion was .* another path: {name}\["):
+            call()
+    again = fm.FlowHistory(**parts)
+    assert np.array_equal(
+        fm.surface_pressure(again, RESPONSE, 817.0, MOTION).lowest, pressure.lowest
+    )
 
 
 def test_a_history_of_lists():
@@ -83,7 +164,7 @@ def test_a_history_of_lists():
         ("time", "ab", "no array of numbers"),
         ("time", 3.0, "shape"),
         ("time", [], "shape"),
-        ("pressure", None, "shape"),
+        ("pressure", None, "no array of numbers"),
         ("position", [[0.0, 0.0], [1.0]], "no array of numbers"),
         ("gradient", np.zeros((2, 2, 2)) * 1j, "complex"),
     ],

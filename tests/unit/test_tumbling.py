@@ -158,7 +158,7 @@ def test_both_steps_are_bounded() -> None:
         (-1.0, 1.0, 41, "shape_factor = -1: must lie between"),
         (np.nan, 1.0, 41, "shape_factor = nan: must lie between"),
         (0.5, 0.0, 41, "shear_rate = 0 1/s"),
-        (0.5, 1.0, 4, "count = 4: a turn needs at least 5"),
+        (0.5, 1.0, 4, "count = 4: must be a whole number of at least 5"),
     ],
 )
 def test_no_turn(factor: float, rate: float, count: int, message: str) -> None:

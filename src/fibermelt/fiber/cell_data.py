@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_count, refuse_no_number
 from fibermelt.fiber.cell_paper import PAPER_ORDER
 from fibermelt.fiber.response import FiberResponse
 
@@ -65,11 +65,13 @@ class CellNumerics:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be solved."""
+        refuse_no_count("numerics.cell order", self.order)
         if not ORDERS[0] <= self.order <= ORDERS[1]:
             msg = f"numerics.cell order = {self.order}: must lie in {ORDERS[0]}..{ORDERS[1]}"
             raise ConfigError(msg)
         for name in ("angular_spacing", "radial_spacing"):
             value = getattr(self, name)
+            refuse_no_number(f"numerics.cell {name}", value)
             if not SPACINGS[0] <= value <= SPACINGS[1]:
                 msg = f"numerics.cell {name} = {value:g}: must lie in {SPACINGS[0]}..{SPACINGS[1]}"
                 raise ConfigError(msg)

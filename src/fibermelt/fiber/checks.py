@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, HistoryError, refuse_no_number
 from fibermelt.history import TRACE_TOLERANCE
 
 __all__ = [
     "checked_finite",
     "checked_gradient",
+    "checked_number",
     "checked_positive",
     "checked_times",
     "checked_unit",
@@ -39,7 +41,7 @@ def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
         If the shape is another, a component is not finite, or a trace is above
         `fibermelt.history.TRACE_TOLERANCE` of the sum of the components' magnitudes.
     """
-    L = np.asarray(gradient, dtype=np.float64)
+    L = real_array("gradient", gradient, error=HistoryError)
     if L.shape[-2:] != (dimension, dimension):
         msg = f"gradient has shape {L.shape}, expected (..., {dimension}, {dimension})"
         raise HistoryError(msg)
@@ -76,7 +78,7 @@ def checked_times(time: ArrayLike, shape: tuple[int, ...]) -> Array:
     HistoryError
         If the shape is another, there are fewer than two points, or time does not increase.
     """
-    t = np.asarray(time, dtype=np.float64)
+    t = real_array("time", time, error=HistoryError, duration=True)
     if t.shape != shape or t.ndim == 0 or t.shape[-1] < 2:
         msg = f"time has shape {t.shape}, expected {shape} like the gradient, two points or more"
         raise HistoryError(msg)
@@ -110,7 +112,7 @@ def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:
     ConfigError
         If the shape is another, or a squared length is not one within `UNIT_TOLERANCE`.
     """
-    p = np.asarray(direction, dtype=np.float64)
+    p = real_array(name, direction)
     if p.shape[-1:] != (3,):
         msg = f"{name} has shape {p.shape}, expected (..., 3)"
         raise ConfigError(msg)
@@ -136,9 +138,18 @@ def checked_positive(name: str, value: float, unit: str, example: str) -> float:
     return float(value)
 
 
-def checked_finite(name: str, value: ArrayLike) -> Array:
-    """Return numbers as an array, or refuse those that are not finite (`ConfigError`)."""
-    array = np.asarray(value, dtype=np.float64)
+def checked_number(name: str, value: float) -> float:
+    """Return one finite number, or refuse it (`ConfigError`)."""
+    refuse_no_number(name, value)
+    return float(checked_finite(name, value))
+
+
+def checked_finite(name: str, value: ArrayLike, *, duration: bool = False) -> Array:
+    """Return numbers as an array, or refuse those that are not finite (`ConfigError`).
+
+    ``duration`` as in `fibermelt.arrays.real_array`.
+    """
+    array = real_array(name, value, duration=duration)
     finite = np.isfinite(array)
     if not np.all(finite):
         where = _first(~finite)

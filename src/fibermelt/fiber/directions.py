@@ -13,8 +13,13 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_finite, checked_positive, checked_unit
+from fibermelt.errors import ConfigError, refuse_no_count
+from fibermelt.fiber.checks import (
+    checked_finite,
+    checked_number,
+    checked_positive,
+    checked_unit,
+)
 
 __all__ = [
     "equal_area_directions",
@@ -62,9 +67,7 @@ def equal_area_directions(count: int, *, whole_sphere: bool = False) -> Array:
     ----------
     Gonzalez 2010, doi 10.1007/s11004-009-9257-x.
     """
-    if count < 1:
-        msg = f"count = {count}: a set of directions needs at least 1"
-        raise ConfigError(msg)
+    refuse_no_count("count", count)
     part = (np.arange(count) + 0.5) / count
     z = 1.0 - 2.0 * part if whole_sphere else 1.0 - part
     azimuth = GOLDEN_TURN * np.arange(count)
@@ -136,8 +139,8 @@ def jeffery_director(
         msg = f"direction has shape {p.shape}, expected (3,): one at a time"
         raise ConfigError(msg)
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
-    rate = float(checked_finite("shear_rate", shear_rate))
-    k = rate * checked_finite("time", time) / (r + 1.0 / r)
+    rate = checked_number("shear_rate", shear_rate)
+    k = rate * checked_finite("time", time, duration=True) / (r + 1.0 / r)
     x, y = p[..., 0] / r, p[..., 1]
     turned = np.stack(
         [

@@ -17,8 +17,15 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.fiber.checks import checked_gradient, checked_times, checked_unit
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
+from fibermelt.fiber.checks import (
+    checked_gradient,
+    checked_number,
+    checked_positive,
+    checked_times,
+    checked_unit,
+)
 from fibermelt.fiber.expansion import EXPONENT_BOUND, exponential3, magnus_generator
 from fibermelt.fiber.magnus import GAUSS
 from fibermelt.fiber.motion import ANGLE_TOLERANCE
@@ -111,10 +118,12 @@ def follow_directors(
     if start.ndim != 2 or start.shape[0] == 0:
         msg = f"directions has shape {start.shape}, expected (n_directions, 3) with at least one"
         raise ConfigError(msg)
-    if not (np.isfinite(shape_factor) and tolerance > 0):
-        msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
+    shape_factor = checked_number("shape_factor", shape_factor)
+    tolerance = checked_positive("tolerance", tolerance, "rad", "1e-8")
+    if not (hasattr(path, "time") and hasattr(path, "gradient")):
+        msg = f"path is of the type {type(path).__name__}: must have a time and a gradient"
         raise ConfigError(msg)
-    L = np.asarray(path.gradient, dtype=np.float64)
+    L = real_array("gradient", path.gradient, error=HistoryError)
     L = checked_gradient(embed_planar(L) if L.shape[-1] == 2 else L, 3)
     time = checked_times(path.time, L.shape[:-2])
     maps, scale, substeps = _interval_maps(time, L, shape_factor, tolerance)

@@ -25,8 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_finite, checked_gradient
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
+from fibermelt.fiber.checks import checked_gradient, checked_number
 from fibermelt.fiber.shape import Ellipse
 
 __all__ = ["EllipseField", "ellipse_field", "ellipse_spin", "ellipse_torque"]
@@ -75,6 +76,7 @@ def ellipse_spin(fiber: Ellipse, gradient: ArrayLike, angle: float) -> float:
     angle : float
         The fiber's angle from the x axis [rad].
     """
+    refuse_other("fiber", fiber, Ellipse)
     strain, melt = _local(gradient, angle)
     return melt + fiber.jeffery_factor * strain.imag
 
@@ -85,7 +87,8 @@ def ellipse_torque(fiber: Ellipse, gradient: ArrayLike, angle: float, spin: floa
     ``-2 pi [(a^2 + b^2)(w - W) - (a^2 - b^2) D_12]``: positive turns it counter-clockwise.
     Parameters and errors as in `ellipse_field`.
     """
-    spin = float(checked_finite("spin", spin))
+    spin = checked_number("spin", spin)
+    refuse_other("fiber", fiber, Ellipse)
     strain, melt = _local(gradient, angle)
     a, b = fiber.half_length, fiber.semi_minor
     resist = (a * a + b * b) * (spin - melt)
@@ -121,13 +124,14 @@ def ellipse_field(
     ConfigError
         If a point lies inside the fiber, or an angle, spin or point is not finite.
     """
+    refuse_other("fiber", fiber, Ellipse)
     strain, melt = _local(gradient, angle)
     free = melt + fiber.jeffery_factor * strain.imag
-    turning = free if spin is None else float(checked_finite("spin", spin))
+    turning = free if spin is None else checked_number("spin", spin)
     a, b = fiber.half_length, fiber.semi_minor
     c, m = 0.5 * (a + b), (a - b) / (a + b)
     turn = complex(math.cos(angle), math.sin(angle))
-    z, q = _preimage(np.asarray(points, dtype=np.float64), turn, c, m)
+    z, q = _preimage(real_array("points", points), turn, c, m)
     slip = 1j * (melt - turning)
     A = -(strain + slip * m)
     k = strain.conjugate() * m - slip
@@ -154,6 +158,7 @@ def ellipse_field(
 def _local(gradient: ArrayLike, angle: float) -> tuple[complex, float]:
     """Return ``D_11 + i D_12`` in the fiber's axes and ``W_21`` [1/s]."""
     L = checked_gradient(gradient, 2)
+    refuse_no_number("angle", angle)
     if L.shape != (2, 2) or not math.isfinite(angle):
         msg = f"gradient of shape {L.shape}, angle = {angle:g}: one gradient and one finite angle"
         raise ConfigError(msg)

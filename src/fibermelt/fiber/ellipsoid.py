@@ -33,12 +33,12 @@ potentials); Kim and Karrila 1991, "Microhydrodynamics", chapter 3 (the linear t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
 from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
@@ -74,8 +74,8 @@ class Ellipsoid:
 
     def __post_init__(self) -> None:
         """Refuse what is no body."""
-        axes: tuple[float, ...] = self.semi_axes
-        if len(axes) != 3:
+        if real_array("fiber.semi_axes", self.semi_axes).shape != (3,):
+            axes = self.semi_axes
             msg = f"fiber.semi_axes = {axes}: must be three; a spheroid has two equal ones"
             raise ConfigError(msg)
         for k, value in enumerate(self.semi_axes):
@@ -215,7 +215,7 @@ class EllipsoidResponse:
         inverse = np.where(x < 0.0, -1.0, 1.0) / np.sqrt(x * x + y * y + z * z)
         return x * inverse, y * inverse, z * inverse
 
-    @cached_property
+    @property
     def tip_stiffness(self) -> float:
         """Return ``-(p_tip - p_inf)/mu`` at the first axis per unit of ``D = diag(1, -1/2, -1/2)``.
 
@@ -232,7 +232,13 @@ def unbounded_ellipsoid(body: Ellipsoid) -> EllipsoidResponse:
     body : Ellipsoid
         The particle; only the ratios of its axes matter. Spheroids and the sphere are no special
         cases: every integral is a sum of positive terms.
+
+    Raises
+    ------
+    ConfigError
+        If it is none.
     """
+    refuse_other("body", body, Ellipsoid)
     a = np.array(body.semi_axes, dtype=np.float64)
     a = a / np.max(a)
     integrals = ellipsoid_integrals(a, np.array(0.0))

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.checks import checked_gradient, checked_unit
 from fibermelt.fiber.ellipsoid import Ellipsoid, unbounded_ellipsoid
@@ -109,11 +110,11 @@ def ellipsoid_field(
         If a point lies inside the body or is not finite, or the axes are not orthonormal.
     """
     L = checked_gradient(gradient, 3)
-    Q = np.eye(3) if axes is None else np.asarray(axes, dtype=np.float64)
+    Q = np.eye(3) if axes is None else real_array("axes", axes)
     if Q.shape != (3, 3) or not np.allclose(Q.T @ Q, np.eye(3), rtol=0.0, atol=1e-10):
         msg = f"axes = {Q.tolist()}: must be three orthonormal columns (bound 1e-10)"
         raise ConfigError(msg)
-    x = np.asarray(points, dtype=np.float64)
+    x = real_array("points", points)
     if L.shape != (3, 3) or x.shape[-1:] != (3,) or not np.all(np.isfinite(x)):
         msg = f"gradient of shape {L.shape}, points of shape {x.shape}: (3, 3) and finite (..., 3)"
         raise ConfigError(msg)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number
 
 __all__ = [
     "cox_cylinder_ratio",
@@ -132,6 +132,7 @@ def _cubic(r: float) -> float:
 
 
 def _in_range(name: str, value: float, ends: tuple[float, float], relation: str) -> float:
+    refuse_no_number(name, value)
     if not ends[0] <= value <= ends[1]:
         msg = (
             f"{name} = {value:g}: {relation} is for {ends[0]:g} to {ends[1]:g}; give the "

@@ -12,11 +12,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.motion import Turning, angle_to_stream
-from fibermelt.fiber.paths import Path
+from fibermelt.fiber.paths import Path, checked_path, refuse_another_path
 from fibermelt.fiber.pressure import PressureBounds, SurfaceHistory
 
 __all__ = [
@@ -93,7 +94,7 @@ class ExtremeStatistics:
 
 
 def extremes(
-    path: Path, pressure: SurfaceHistory, motion: Turning, middle_time: float | Array
+    path: Path, pressure: SurfaceHistory, motion: Turning, middle_time: ArrayLike
 ) -> Extremes:
     """Find the pressure extremes of every fiber at both locations.
 
@@ -112,7 +113,11 @@ def extremes(
     ------
     ConfigError
         If a path has no point before, or none after, its middle time.
+    HistoryError
+        If pressure or motion is along another path.
     """
+    refuse_another_path(path, pressure.path)
+    refuse_another_path(path, motion.path)
     before = before_middle(path, middle_time)[..., None, :]
     picked = []
     for here in (before, ~before):
@@ -164,7 +169,7 @@ def statistics(found: Extremes) -> ExtremeStatistics:
     )
 
 
-def extreme_bounds(path: Path, bounds: PressureBounds, middle_time: float | Array) -> Array:
+def extreme_bounds(path: Path, bounds: PressureBounds, middle_time: ArrayLike) -> Array:
     """Return the bounds of every fiber's extremes, (..., location, kind, 2) [Pa].
 
     For "min" the lower side is the lowest over the path of the worst orientation, and the upper
@@ -193,9 +198,16 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def before_middle(path: Path, middle_time: float | Array) -> NDArray[np.bool_]:
+def before_middle(path: Path, middle_time: ArrayLike) -> NDArray[np.bool_]:
     """Return which points lie above the middle of the capillary, (..., n)."""
-    middle = np.asarray(middle_time, dtype=np.float64)
+    checked_path(path)
+    middle = real_array("middle_time", middle_time, duration=True)
+    if middle.shape not in ((), path.time.shape[:-1]):
+        msg = (
+            f"middle_time has shape {middle.shape}: give one, or one for each of the paths, "
+            f"{path.time.shape[:-1]}"
+        )
+        raise ConfigError(msg)
     before: NDArray[np.bool_] = path.time < middle[..., None]
     if not (np.all(np.any(before, axis=-1)) and np.all(np.any(~before, axis=-1))):
         msg = (

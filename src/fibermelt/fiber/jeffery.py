@@ -29,10 +29,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_finite, checked_positive, refuse_too_slender
+from fibermelt.errors import ConfigError, refuse_other
+from fibermelt.fiber.checks import (
+    checked_finite,
+    checked_number,
+    checked_positive,
+    refuse_too_slender,
+)
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
 
@@ -56,7 +61,7 @@ HARMONIC_TOLERANCE = 1e-16
 
 
 def ellipse_pressure(
-    aspect_ratio: float, strain_11: Array, strain_12: Array, surface: Array
+    aspect_ratio: float, strain_11: ArrayLike, strain_12: ArrayLike, surface: ArrayLike
 ) -> Array:
     """Return ``(p - p_inf)/mu`` [1/s] on a torque-free unbounded ellipse.
 
@@ -84,7 +89,7 @@ def ellipse_pressure(
 
 
 def ellipse_extremes(
-    aspect_ratio: float, strain_11: Array, strain_12: Array
+    aspect_ratio: float, strain_11: ArrayLike, strain_12: ArrayLike
 ) -> tuple[Array, Array]:
     """Return the lowest and highest ``(p - p_inf)/mu`` [1/s] over an unbounded ellipse's surface.
 
@@ -115,8 +120,9 @@ def unbounded_ellipse(fiber: Ellipse) -> FiberResponse:
     Raises
     ------
     ConfigError
-        If it is more slender than `MOST_SLENDER`.
+        If it is none, or more slender than `MOST_SLENDER`.
     """
+    refuse_other("fiber", fiber, Ellipse)
     r = fiber.aspect_ratio
     surface = surface_points(r)
     half = surface[: surface.size // 2]
@@ -167,7 +173,7 @@ def jeffery_period(aspect_ratio: float, shear_rate: float) -> float:
         If the aspect ratio is not positive, or the shear rate zero or not finite.
     """
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
-    rate = float(checked_finite("shear_rate", shear_rate))
+    rate = checked_number("shear_rate", shear_rate)
     if rate == 0:
         msg = "shear_rate = 0 1/s: a fiber in a melt at rest has no period; give a positive rate"
         raise ConfigError(msg)
@@ -175,7 +181,7 @@ def jeffery_period(aspect_ratio: float, shear_rate: float) -> float:
 
 
 def jeffery_angle(
-    time: Array, shear_rate: float, aspect_ratio: float, initial_angle: float = 0.0
+    time: ArrayLike, shear_rate: float, aspect_ratio: float, initial_angle: float = 0.0
 ) -> Array:
     """Return the angle from the flow direction in ``u_x = gamma_dot y`` [rad], continuous in time.
 
@@ -200,9 +206,9 @@ def jeffery_angle(
         If the aspect ratio is not positive, or a number not finite.
     """
     r = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
-    rate = float(checked_finite("shear_rate", shear_rate))
-    start = float(checked_finite("initial_angle", initial_angle))
-    phase = _stretch(start, r) - rate * checked_finite("time", time) / (r + 1.0 / r)
+    rate = checked_number("shear_rate", shear_rate)
+    start = checked_number("initial_angle", initial_angle)
+    phase = _stretch(start, r) - rate * checked_finite("time", time, duration=True) / (r + 1.0 / r)
     return np.asarray(_stretch(phase, 1.0 / r))
 
 

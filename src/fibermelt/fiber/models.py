@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.jeffery import unbounded_ellipse
@@ -78,7 +78,7 @@ class FiberModel:
         self,
         path: Path,
         viscosity: float,
-        middle_time: float | Array,
+        middle_time: ArrayLike,
         count: int = ISOTROPIC_COUNT,
         levels: tuple[float, ...] = QUANTILE_LEVELS,
         tolerance: float = ANGLE_TOLERANCE,
@@ -116,8 +116,9 @@ def unbounded_model(name: ModelName, fiber: Ellipse) -> FiberModel:
     Raises
     ------
     ConfigError
-        If the name is another.
+        If the name is another, or the fiber none.
     """
+    refuse_other("fiber", fiber, Ellipse)
     if name == "ellipse":
         return FiberModel(name, unbounded_ellipse(fiber))
     if name == "spheroid":
@@ -131,7 +132,7 @@ def _isotropic_spheroids(
     path: Path,
     spheroid: SpheroidResponse,
     viscosity: float,
-    middle_time: float | Array,
+    middle_time: ArrayLike,
     count: int,
     levels: tuple[float, ...],
     tolerance: float,

@@ -9,17 +9,25 @@ The gradient between the path's points, and the error control, are in `fibermelt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_no_count
+from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.magnus import interval_propagators
-from fibermelt.fiber.paths import Path, strain_polar, stream_angle
+from fibermelt.fiber.paths import (
+    Path,
+    checked_path,
+    refuse_another_path,
+    strain_polar,
+    stream_angle,
+)
 from fibermelt.fiber.propagator import Propagator, cumulate
 
 __all__ = [
@@ -47,10 +55,14 @@ def paper_angles() -> Array:
 
 
 def isotropic_angles(count: int) -> Array:
-    """Return ``count`` directions of equal weight over the half turn [rad], the cells' middles."""
-    if count < 1:
-        msg = f"count = {count}: an isotropic start needs at least 1 direction"
-        raise ConfigError(msg)
+    """Return ``count`` directions of equal weight over the half turn [rad], the cells' middles.
+
+    Raises
+    ------
+    ConfigError
+        If the count is not a whole number of at least one.
+    """
+    refuse_no_count("count", count)
     return np.pi * ((np.arange(count) + 0.5) / count - 0.5)
 
 
@@ -64,6 +76,10 @@ class Turning(Protocol):
     @property
     def spin(self) -> Array:
         """Rate of the angle [1/s], shape (..., n_angles, n)."""
+
+    @property
+    def path(self) -> Path:
+        """What they were followed along."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +98,8 @@ class Motion:
         ``theta_dot`` [1/s].
     substeps : int
         Largest number of sub-steps that an interval took.
+    path : FlowHistory or PathBundle
+        What the fibers were followed along.
     """
 
     initial_angles: Array
@@ -89,12 +107,13 @@ class Motion:
     deformation: Propagator
     spin: Array
     substeps: int
+    path: Path = field(repr=False)
 
 
 def follow(
     path: Path,
     shape_factor: float,
-    initial_angles: Array,
+    initial_angles: ArrayLike,
     tolerance: float = ANGLE_TOLERANCE,
 ) -> Motion:
     """Follow fibers along a path from all initial angles at once.
@@ -105,7 +124,7 @@ def follow(
         One path (n points) or several of equal length (leading axis).
     shape_factor : float
         ``B`` [-] of the confined fiber, or Jeffery's ``xi``.
-    initial_angles : (n_angles,) array
+    initial_angles : (n_angles,) array_like
         Angles from the x axis at the start [rad]; any number.
     tolerance : float
         Angle error of the time integration over the whole path [rad], by halving: a bound on the
@@ -121,7 +140,7 @@ def follow(
     Raises
     ------
     ConfigError
-        If an angle, the shape factor or the tolerance is not usable.
+        If the path is none, or an angle, the shape factor or the tolerance is not usable.
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
@@ -130,7 +149,6 @@ def follow(
     return turned(path, shape_factor, angles, deformation, substeps)
 
 
-@lru_cache(maxsize=1)
 def deformation_along(
     path: Path, shape_factor: float, tolerance: float = ANGLE_TOLERANCE
 ) -> tuple[Propagator, int]:
@@ -139,11 +157,16 @@ def deformation_along(
     The last one is kept at hand: any number of initial angles shares it. Parameters and errors as
     in `follow`; second comes the largest number of sub-steps of an interval.
     """
-    if not (np.isfinite(shape_factor) and tolerance > 0):
-        msg = f"shape_factor = {shape_factor:g}, tolerance = {tolerance:g}: finite and positive"
-        raise ConfigError(msg)
+    checked_path(path)
+    factor = checked_number("shape_factor", shape_factor)
+    return _deformation(path, factor, checked_positive("tolerance", tolerance, "rad", "1e-8"))
+
+
+@lru_cache(maxsize=1)
+def _deformation(path: Path, shape_factor: float, tolerance: float) -> tuple[Propagator, int]:
+    """Return what `deformation_along` does; everybody gets the same arrays, so nobody writes."""
     steps, substeps = interval_propagators(path, shape_factor, tolerance)
-    return cumulate(steps), substeps
+    return cumulate(steps).read_only(), substeps
 
 
 def turned(
@@ -157,12 +180,12 @@ def turned(
     )
     angle = at_angles.angles(angles[:, None])
     angle[..., 0] = angles
-    return Motion(angles, angle, deformation, _spin(path, shape_factor, angle), substeps)
+    return Motion(angles, angle, deformation, _spin(path, shape_factor, angle), substeps, path)
 
 
-def checked_angles(initial_angles: Array) -> Array:
+def checked_angles(initial_angles: ArrayLike) -> Array:
     """Return initial angles as an array, or refuse them (`ConfigError`)."""
-    angles = np.asarray(initial_angles, dtype=np.float64)
+    angles = np.array(real_array("initial_angles", initial_angles))
     if angles.ndim != 1 or angles.size == 0 or not np.all(np.isfinite(angles)):
         msg = f"initial_angles = {angles}: must be a list of finite angles in radians"
         raise ConfigError(msg)
@@ -179,18 +202,25 @@ def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
 
 
 def angle_to_stream(path: Path, motion: Turning) -> Array:
-    """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n)."""
+    """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n).
+
+    Raises
+    ------
+    HistoryError
+        If the fibers were followed along another path.
+    """
+    refuse_another_path(path, motion.path)
     return fold_angle(motion.angle - stream_angle(path)[..., None, :])
 
 
-def angle_to_stream_at(path: Path, motion: Turning, times: Array) -> Array:
+def angle_to_stream_at(path: Path, motion: Turning, times: ArrayLike) -> Array:
     """Return the fibers' angles to the streamline at given times [rad] in (-pi/2, pi/2].
 
     Parameters
     ----------
     path, motion
         What `follow` was given, and what it returned.
-    times : (..., k) array
+    times : (..., k) array_like
         Times on the path [s], such as those at which the zones are reached.
 
     Returns
@@ -203,9 +233,12 @@ def angle_to_stream_at(path: Path, motion: Turning, times: Array) -> Array:
     ------
     ConfigError
         If a time lies outside the path, or there is no list of them.
+    HistoryError
+        If the fibers were followed along another path.
     """
+    refuse_another_path(path, motion.path)
     time = path.time
-    times = np.asarray(times, dtype=np.float64)
+    times = real_array("times", times, duration=True)
     if times.ndim == 0:
         msg = f"times = {times}: must be a list, e.g. [{times}]"
         raise ConfigError(msg)

@@ -9,13 +9,14 @@ over the surface are those of its points, as in the paper, and nothing is contin
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import Unchanging, real_array
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.curve import fold_angle
@@ -31,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class NewtonMotion:
+class NewtonMotion(Unchanging):
     """Fibers followed by the paper's algorithm: their motion, and the pressure on their surface.
 
     Pressures are relative to the streamline's [Pa]; extremes are over the surface points.
@@ -54,6 +55,8 @@ class NewtonMotion:
         Newton-Raphson corrections in all.
     solves : int
         Linear solves in all.
+    path : FlowHistory
+        What the fibers were followed along.
     """
 
     time: Array
@@ -66,6 +69,7 @@ class NewtonMotion:
     surface_pressure: Array
     iterations: int
     solves: int
+    path: FlowHistory = field(repr=False)
 
     @cached_property
     def lowest(self) -> Array:
@@ -111,7 +115,7 @@ def follow_newton(
     fiber: Ellipse,
     history: FlowHistory,
     viscosity: float,
-    initial_angles: float | Array,
+    initial_angles: ArrayLike,
 ) -> NewtonMotion:
     """Follow fibers along a history by the paper's algorithm, one step per interval.
 
@@ -132,13 +136,15 @@ def follow_newton(
     Raises
     ------
     ConfigError
-        If the fiber's aspect ratio is not the system's, or a viscosity or an angle is not usable.
+        If the fiber's aspect ratio is not the system's, the history is none, or a viscosity or an
+        angle is not usable.
     ConvergenceError
         If a force balance fails.
     """
     refuse_another_fiber(system, fiber)
+    refuse_other("history", history, FlowHistory)
     viscosity = checked_positive("melt.viscosity", viscosity, "Pa s", "817")
-    angles = checked_angles(np.atleast_1d(initial_angles))
+    angles = checked_angles(np.atleast_1d(real_array("initial_angles", initial_angles)))
     solver = NewtonSolver(system)
     runs = [_follow_one(solver, fiber, history, float(angle)) for angle in angles]
     states, rates, pressures = (np.stack(parts) for parts in zip(*runs, strict=True))
@@ -153,6 +159,7 @@ def follow_newton(
         surface_pressure=viscosity * pressures,
         iterations=solver.iterations,
         solves=solver.solves,
+        path=history,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.errors import ConvergenceError, refuse_no_count
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
@@ -89,9 +89,7 @@ def orbit_newton(
         one.
     """
     shear_rate, viscosity, angle = checked_shear(shear_rate, viscosity, angle)
-    if steps < FEWEST_STEPS:
-        msg = f"steps = {steps}: an orbit needs at least {FEWEST_STEPS}, or its peaks are missed"
-        raise ConfigError(msg)
+    refuse_no_count("steps", steps, FEWEST_STEPS, "with fewer an orbit's peaks are missed")
     shear = _Shear(system, shear_rate)
     unbounded = jeffery_period(system.response.aspect_ratio, shear_rate)
     stall_angle = _stall_angle(shear)

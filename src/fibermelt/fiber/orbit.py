@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from fibermelt.errors import ConfigError, refuse_other
-from fibermelt.fiber.checks import checked_positive
+from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
+from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.curve import TrigonometricCurve, fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
 from fibermelt.fiber.response import FiberResponse
@@ -153,6 +153,7 @@ def tumbling_period(shape_factor: float, shear_rate: float) -> float | None:
         If one is out of its range.
     """
     shear_rate = checked_positive("shear_rate", shear_rate, "1/s", "1")
+    refuse_no_number("shape_factor", shape_factor)
     if not shape_factor > -1.0:
         msg = f"shape_factor = {shape_factor:g}: must be above -1 (Jeffery's is between -1 and 1)"
         raise ConfigError(msg)
@@ -163,13 +164,10 @@ def tumbling_period(shape_factor: float, shear_rate: float) -> float | None:
 
 def checked_shear(shear_rate: float, viscosity: float, angle: float) -> tuple[float, float, float]:
     """Return shear rate, viscosity and initial angle, or refuse them (`ConfigError`)."""
-    if not np.isfinite(angle):
-        msg = f"angle = {angle:g}: must be a finite angle from the flow direction in radians"
-        raise ConfigError(msg)
     return (
         checked_positive("shear_rate", shear_rate, "1/s", "1"),
         checked_positive("viscosity", viscosity, "Pa s", "817"),
-        float(angle),
+        checked_number("angle", angle),
     )
 
 

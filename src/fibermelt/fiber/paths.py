@@ -8,18 +8,31 @@ takes either and keeps the leading axes (written ``...`` in its shapes).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import HistoryError
+from fibermelt.arrays import Unchanging
+from fibermelt.errors import HistoryError, refuse_other
 from fibermelt.history import FlowHistory
 
-__all__ = ["Path", "PathBundle", "single_paths", "strain_polar", "stream_angle"]
+__all__ = [
+    "Path",
+    "PathBundle",
+    "checked_path",
+    "refuse_another_path",
+    "single_paths",
+    "strain_polar",
+    "stream_angle",
+]
 
 Array = NDArray[np.float64]
+
+
+QUANTITIES = ("time", "position", "velocity", "gradient", "pressure")
+"""What is known at the points of a path."""
 
 
 class Path(Protocol):
@@ -50,7 +63,7 @@ class Path(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PathBundle:
+class PathBundle(Unchanging):
     """Histories of equal number of points, stacked along a leading axis.
 
     Parameters
@@ -62,17 +75,23 @@ class PathBundle:
     ------
     HistoryError
         If there is none, or their numbers of points differ.
+    ConfigError
+        If one is no history.
     """
 
-    histories: tuple[FlowHistory, ...]
-    time: Array
-    position: Array
-    velocity: Array
-    gradient: Array
-    pressure: Array
+    histories: Sequence[FlowHistory]
+    time: Array = field(init=False)
+    position: Array = field(init=False)
+    velocity: Array = field(init=False)
+    gradient: Array = field(init=False)
+    pressure: Array = field(init=False)
 
-    def __init__(self, histories: Sequence[FlowHistory]) -> None:
+    def __post_init__(self) -> None:
         """Stack the histories; each has been validated by its own type."""
+        refuse_other("histories", self.histories, Sequence)
+        histories = tuple(self.histories)
+        for k, history in enumerate(histories):
+            refuse_other(f"histories[{k}]", history, FlowHistory)
         lengths = sorted({len(history) for history in histories})
         if len(lengths) != 1:
             msg = (
@@ -80,11 +99,11 @@ class PathBundle:
                 "number of points, or follow them one by one"
             )
             raise HistoryError(msg)
-        object.__setattr__(self, "histories", tuple(histories))
-        for name in ("time", "position", "velocity", "gradient", "pressure"):
+        object.__setattr__(self, "histories", histories)
+        for name in QUANTITIES:
             stacked = np.stack([getattr(history, name) for history in histories])
-            stacked.setflags(write=False)
             object.__setattr__(self, name, stacked)
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of paths."""
@@ -94,6 +113,44 @@ class PathBundle:
 def single_paths(path: Path) -> list[Path]:
     """Return the paths of a bundle one by one; a single path alone."""
     return list(path.histories) if isinstance(path, PathBundle) else [path]
+
+
+def checked_path(path: Path) -> None:
+    """Refuse what is neither a history nor a bundle of them (`ConfigError`).
+
+    What is kept for a path is found again by the path itself, so that its numbers must stay.
+    """
+    refuse_other("path", path, (FlowHistory, PathBundle))
+
+
+def refuse_another_path(path: Path, followed: Path) -> None:
+    """Refuse a path other than the one that fibers were followed along; a copy is the same.
+
+    Raises
+    ------
+    ConfigError
+        If it is no path.
+    HistoryError
+        If its shape or a number differs.
+    """
+    checked_path(path)
+    if path is followed:
+        return
+    way = "give the path that the fibers were followed along"
+    if path.time.shape != followed.time.shape:
+        shapes = path.time.shape, followed.time.shape
+        here, there = (" x ".join(map(str, shape)) for shape in shapes)
+        msg = f"the path has {here} points, the motion was followed over {there}: {way}"
+        raise HistoryError(msg)
+    for name in QUANTITIES:
+        own, other = getattr(path, name), getattr(followed, name)
+        if not np.array_equal(own, other):
+            where = tuple(int(k) for k in np.argwhere(own != other)[0])
+            msg = (
+                f"the motion was followed along another path: {name}{list(where)} is "
+                f"{own[where]:.6g} here, {other[where]:.6g} there; {way}"
+            )
+            raise HistoryError(msg)
 
 
 def strain_polar(gradient: Array) -> tuple[Array, Array]:

@@ -11,13 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.extremes import before_middle
 from fibermelt.fiber.level_sets import LevelSets
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
-from fibermelt.fiber.paths import Path, single_paths, strain_polar
+from fibermelt.fiber.paths import Path, checked_path, single_paths, strain_polar
 from fibermelt.fiber.pressure import checked_viscosity
 from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.response import FiberResponse
@@ -66,7 +67,7 @@ def isotropic_pressure(
     path: Path,
     response: FiberResponse,
     viscosity: float,
-    middle_time: float | Array,
+    middle_time: ArrayLike,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
     tolerance: float = ANGLE_TOLERANCE,
 ) -> IsotropicPressure:
@@ -99,6 +100,8 @@ def isotropic_pressure(
         As in `follow` and `fibermelt.fiber.level_sets.level_sets`.
     """
     _refuse_levels(levels)
+    checked_path(path)
+    refuse_other("response", response, FiberResponse)
     size, double = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
     deformation, _ = deformation_along(path, response.shape_factor, tolerance)
@@ -162,7 +165,7 @@ def _line_quantiles(
 
 def population_quantiles(
     path: Path,
-    middle_time: float | Array,
+    middle_time: ArrayLike,
     levels: tuple[float, ...],
     pressures: Callable[[Path, float], tuple[Array, Array, Array]],
 ) -> IsotropicPressure:
@@ -183,7 +186,7 @@ def population_quantiles(
     """
     _refuse_levels(levels)
     paths = single_paths(path)
-    middles = np.ravel(np.asarray(middle_time, dtype=np.float64))
+    middles = np.ravel(real_array("middle_time", middle_time, duration=True))
     if middles.size not in (1, len(paths)):
         msg = f"middle_time has {middles.size} values for {len(paths)} paths: give one, or one each"
         raise ConfigError(msg)
@@ -200,7 +203,8 @@ def population_quantiles(
 
 def _refuse_levels(levels: tuple[float, ...]) -> None:
     """Refuse levels that are none."""
-    if not all(0 <= level <= 1 for level in levels):
+    array = real_array("levels", levels)
+    if array.ndim != 1 or not np.all((array >= 0.0) & (array <= 1.0)):
         msg = f"levels = {levels}: quantile levels lie between 0 and 1"
         raise ConfigError(msg)
 

@@ -7,16 +7,18 @@ highest ``mu d h(phi)``, lowest ``-mu d h(phi + pi)`` (see `fibermelt.fiber.resp
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError, HistoryError, refuse_no_number, refuse_other
+from fibermelt.arrays import Unchanging
+from fibermelt.errors import refuse_other
+from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.motion import Turning
-from fibermelt.fiber.paths import Path, strain_polar
+from fibermelt.fiber.paths import Path, checked_path, refuse_another_path, strain_polar
 from fibermelt.fiber.response import FiberResponse
 
 __all__ = [
@@ -42,6 +44,10 @@ class SurfaceHistory(Protocol):
     def highest(self) -> Array:
         """Highest pressure over the surface [Pa], relative, shape (..., n_angles, n)."""
 
+    @property
+    def path(self) -> Path:
+        """The path."""
+
     def where_at(self, index: NDArray[np.intp]) -> Array:
         """Return the eccentric angles [rad] of the extremes at given points of the path.
 
@@ -53,7 +59,7 @@ class SurfaceHistory(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class SurfacePressure:
+class SurfacePressure(Unchanging):
     """Lowest and highest pressure on the surface along the way.
 
     Parameters
@@ -66,6 +72,8 @@ class SurfacePressure:
         ``mu d`` [Pa].
     response : FiberResponse
         The fiber that answered.
+    path : FlowHistory or PathBundle
+        The way.
     """
 
     lowest: Array
@@ -73,6 +81,7 @@ class SurfacePressure:
     phase: Array
     amplitude: Array
     response: FiberResponse
+    path: Path = field(repr=False)
 
     @cached_property
     def where_lowest(self) -> Array:
@@ -144,23 +153,17 @@ def surface_pressure(
     ConfigError
         If the viscosity is not positive, or the response is none.
     HistoryError
-        If the fibers were followed along a path of another length.
+        If the fibers were followed along another path.
     """
     refuse_other("response", response, FiberResponse)
-    points, followed = path.time.shape[-1], motion.angle.shape[-1]
-    if points != followed:
-        msg = (
-            f"the path has {points} points, the motion was followed over {followed}: give the "
-            "path that the fibers were followed along"
-        )
-        raise HistoryError(msg)
+    refuse_another_path(path, motion.path)
     size, double = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
     phase = double[..., None, :] - 2.0 * motion.angle
     lowest, highest = response.support.both(phase)
     lowest *= amplitude[..., None, :]
     highest *= amplitude[..., None, :]
-    return SurfacePressure(lowest, highest, phase, amplitude, response)
+    return SurfacePressure(lowest, highest, phase, amplitude, response, path)
 
 
 def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> PressureBounds:
@@ -170,6 +173,7 @@ def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> Pr
     `surface_pressure`.
     """
     refuse_other("response", response, FiberResponse)
+    checked_path(path)
     size, _ = strain_polar(path.gradient)
     amplitude = checked_viscosity(viscosity) * size
     worst = amplitude * response.support.largest
@@ -179,8 +183,4 @@ def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> Pr
 
 def checked_viscosity(viscosity: float) -> float:
     """Return a viscosity [Pa s], or refuse it (`ConfigError`)."""
-    refuse_no_number("melt.viscosity", viscosity)
-    if not (np.isfinite(viscosity) and viscosity > 0):
-        msg = f"melt.viscosity = {viscosity:g} Pa s: must be positive, e.g. 817"
-        raise ConfigError(msg)
-    return viscosity
+    return checked_positive("melt.viscosity", viscosity, "Pa s", "817")

@@ -21,6 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fibermelt.arrays import read_only
+
 __all__ = ["Propagator", "compose", "cumulate", "exponential", "identity"]
 
 Array = NDArray[np.float64]
@@ -46,6 +48,10 @@ class Propagator:
     matrix: Array
     scale: Array
     turn: Array
+
+    def read_only(self) -> Propagator:
+        """Return the same maps, through which nobody can write."""
+        return Propagator(*map(read_only, (self.matrix, self.scale, self.turn)))
 
     def part(self, index: slice) -> Propagator:
         """Return the maps at a slice of the last leading axis."""

@@ -21,7 +21,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fibermelt.arrays import Unchanging, real_array
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.checks import checked_number
 from fibermelt.fiber.curve import TrigonometricCurve
 from fibermelt.fiber.level_sets import LevelSets, level_sets
 from fibermelt.fiber.support import SupportFunction
@@ -38,7 +40,7 @@ FEWEST_SURFACE_POINTS = 16
 
 
 @dataclass(frozen=True, eq=False)
-class FiberResponse:
+class FiberResponse(Unchanging):
     """The linear response of a force- and torque-free fiber to the strain around it.
 
     Parameters
@@ -73,9 +75,9 @@ class FiberResponse:
     def __post_init__(self) -> None:
         """Take the numbers over, and refuse what no fiber answers."""
         for name in ("surface", "basis"):
-            owned = np.array(getattr(self, name), dtype=np.float64)
-            owned.setflags(write=False)
+            owned = np.array(real_array(f"response: {name}", getattr(self, name)))
             object.__setattr__(self, name, owned)
+        super().__post_init__()
         m = self.surface.size
         if self.surface.shape != (m,) or m < FEWEST_SURFACE_POINTS or m % 2:
             msg = (
@@ -86,9 +88,10 @@ class FiberResponse:
         if self.basis.shape != (m, 2):
             msg = f"response: basis has shape {self.basis.shape}, expected {(m, 2)} like surface"
             raise ConfigError(msg)
-        scalars = np.array([self.aspect_ratio, self.shape_factor])
-        if not (np.all(np.isfinite(scalars)) and np.all(np.isfinite(self.basis))):
-            msg = "response: aspect ratio, shape factor and basis must be finite"
+        checked_number("response: aspect_ratio", self.aspect_ratio)
+        checked_number("response: shape_factor", self.shape_factor)
+        if not np.all(np.isfinite(self.basis)):
+            msg = "response: basis must be finite"
             raise ConfigError(msg)
         if self.aspect_ratio < 1:
             msg = f"response: aspect_ratio = {self.aspect_ratio:g} must be at least 1"

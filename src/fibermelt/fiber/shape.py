@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +31,10 @@ def jeffery_factor(aspect_ratio: float) -> float:
     ----------
     Jeffery 1922, doi 10.1098/rspa.1922.0078; below Eq. 23 of the paper.
     """
-    square = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6") ** 2
-    return (square - 1.0) / (square + 1.0)
+    ratio = checked_positive("fiber.aspect_ratio", aspect_ratio, "", "6")
+    square = ratio * ratio
+    # beyond 1e154 the square overflows: 1 is then right to the last bit, as it is from 1e9 on
+    return (square - 1.0) / (square + 1.0) if square < math.inf else 1.0
 
 
 @dataclass(frozen=True)

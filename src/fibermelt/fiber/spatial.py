@@ -8,7 +8,7 @@ is to compute; the pressure is that of `fibermelt.fiber.spheroid`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ from fibermelt.fiber.checks import checked_positive, checked_unit
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, follow
-from fibermelt.fiber.paths import Path
+from fibermelt.fiber.paths import Path, refuse_another_path
 from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.spheroid import SpheroidResponse, embed_planar
 
@@ -48,12 +48,15 @@ class SpatialMotion:
         Angle out of the plane [rad], in [-pi/2, pi/2]; its sign stays.
     spin : (..., n_directions, n) array
         Rate of ``angle`` [1/s].
+    path : FlowHistory or PathBundle
+        What the fibers were followed along.
     """
 
     initial_directions: Array
     angle: Array
     elevation: Array
     spin: Array
+    path: Path = field(repr=False)
 
     @property
     def direction(self) -> Array:
@@ -80,6 +83,11 @@ class SpatialPressure:
     place_lowest: Array
     place_highest: Array
     motion: SpatialMotion
+
+    @property
+    def path(self) -> Path:
+        """Return what the fibers were followed along."""
+        return self.motion.path
 
     def where_at(self, index: NDArray[np.intp]) -> Array:
         """Return the eccentric angles [rad] of the extremes at given points of the path.
@@ -158,7 +166,7 @@ def follow_spatial(
     # F = exp(scale) G: the height shrinks instead, so that nothing overflows
     height = start[:, 2] * np.exp(-motion.deformation.scale)[..., None]
     elevation = np.swapaxes(np.arctan2(height, length), -1, -2)
-    return SpatialMotion(start, motion.angle, np.ascontiguousarray(elevation), motion.spin)
+    return SpatialMotion(start, motion.angle, np.ascontiguousarray(elevation), motion.spin, path)
 
 
 def turned_directions(deformation: Propagator, start: Array) -> Array:
@@ -201,7 +209,10 @@ def spatial_pressure(
     ------
     ConfigError
         If the viscosity is not positive.
+    HistoryError
+        If the fibers were followed along another path.
     """
+    refuse_another_path(path, motion.path)
     scale = checked_positive("melt.viscosity", viscosity, "Pa s", "817")
     gradient = embed_planar(path.gradient)[..., None, :, :, :]
     found = spheroid.extremes(gradient, motion.direction)

@@ -23,7 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, HistoryError, refuse_other
 from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid import Ellipsoid, SurfaceExtremes, unbounded_ellipsoid
 from fibermelt.fiber.shape import jeffery_factor
@@ -231,7 +232,13 @@ def unbounded_spheroid(fiber: Spheroid) -> SpheroidResponse:
     ----------
     fiber : Spheroid
         The fiber; its size does not matter.
+
+    Raises
+    ------
+    ConfigError
+        If it is none.
     """
+    refuse_other("fiber", fiber, Spheroid)
     general = unbounded_ellipsoid(fiber.as_ellipsoid())
     # across the axis both stiffnesses agree but for rounding
     axial, transverse = float(general.stiffness[0, 0]), float(general.stiffness[1, 1])
@@ -261,7 +268,7 @@ def embed_planar(gradient: ArrayLike) -> Array:
     HistoryError
         If a gradient is not finite or has a trace.
     """
-    L = np.asarray(gradient, dtype=np.float64)
+    L = real_array("gradient", gradient, error=HistoryError)
     if L.shape[-2:] != (2, 2):
         msg = f"gradient has shape {L.shape}, expected (..., 2, 2)"
         raise ConfigError(msg)

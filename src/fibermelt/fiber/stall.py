@@ -19,7 +19,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number, refuse_other
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.shape import Ellipse, jeffery_factor
 from fibermelt.fiber.stall_data import StallCurve, domain_of, fit_curve, narrowness
@@ -85,6 +86,7 @@ def stall_curve(
         If the cells, or 49 points, do not reach the tolerance.
     """
     _check_curve(fiber_aspect_ratio, smallest_domain, tolerance)
+    refuse_other("numerics", numerics, CellNumerics)
     fiber = Ellipse(1.0, fiber_aspect_ratio)
     low, points = float(narrowness(np.asarray(smallest_domain))), POINTS
     narrowest, cells = _narrowest_cell(fiber, smallest_domain, tolerance, numerics)
@@ -130,7 +132,7 @@ def paper_stall_angle(domain_size: ArrayLike) -> Array:
     ConfigError
         If a domain size is out of that range.
     """
-    M = np.asarray(domain_size, dtype=np.float64)
+    M = real_array("fiber.domain_size", domain_size)
     inside = (M > 2.0) & (PAPER_DOMAIN_END >= M)
     if not np.all(inside):
         first = float(M[~inside].flat[0])
@@ -143,6 +145,9 @@ def paper_stall_angle(domain_size: ArrayLike) -> Array:
 
 
 def _check_curve(aspect_ratio: float, smallest: float, tolerance: float) -> None:
+    refuse_no_number("fiber.aspect_ratio", aspect_ratio)
+    refuse_no_number("smallest_domain", smallest)
+    refuse_no_number("tolerance", tolerance)
     if not (np.isfinite(aspect_ratio) and aspect_ratio > 1.0):
         msg = (
             f"fiber.aspect_ratio = {aspect_ratio:g}: must be above 1; a circle does not feel "

@@ -11,7 +11,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import Unchanging, real_array
+from fibermelt.errors import ConfigError, refuse_no_number
 
 __all__ = ["StallCurve", "domain_of", "fit_curve", "narrowness"]
 
@@ -22,7 +23,7 @@ SCAN = 400
 
 
 @dataclass(frozen=True, eq=False)
-class StallCurve:
+class StallCurve(Unchanging):
     """Shape factor and stall angle of one fiber against the size of its cell.
 
     Parameters
@@ -48,7 +49,11 @@ class StallCurve:
     error: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no curve."""
+        """Take the numbers over, and refuse what is no curve."""
+        for name in ("domain_size", "shape_factor"):
+            owned = np.array(real_array(f"stall curve: {name}", getattr(self, name)))
+            object.__setattr__(self, name, owned)
+        super().__post_init__()
         M = self.domain_size
         if M.ndim != 1 or M.size < 2 or M.shape != self.shape_factor.shape:
             msg = f"stall curve: {M.shape} domain sizes, {self.shape_factor.shape} shape factors"
@@ -70,7 +75,7 @@ class StallCurve:
         ConfigError
             If a domain size is not on the curve.
         """
-        M = np.asarray(domain_size, dtype=np.float64)
+        M = real_array("fiber.domain_size", domain_size)
         low, high = self.domain_size[0], self.domain_size[-1]
         inside = (low <= M) & (high >= M)
         if not np.all(inside):
@@ -134,6 +139,7 @@ class StallCurve:
         ConfigError
             If no cell of the curve stalls the fiber there.
         """
+        refuse_no_number("stall angle", angle)
         if not 0.0 <= angle < 0.25 * math.pi:
             msg = f"stall angle = {angle:g} rad: must be at least 0 and below pi/4, B is finite"
             raise ConfigError(msg)

@@ -24,8 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_finite
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_no_count, refuse_other
+from fibermelt.fiber.checks import checked_finite, checked_number
 from fibermelt.fiber.curve import TrigonometricCurve
 from fibermelt.fiber.jeffery import jeffery_angle
 from fibermelt.fiber.orbit import checked_shear, tumbling_period
@@ -98,9 +99,7 @@ def turn_times(shape_factor: float, shear_rate: float, count: int) -> Array:
             "rest and there is no turn; take a larger domain_size, or give the times yourself"
         )
         raise ConfigError(msg)
-    if count < FEWEST_INSTANTS:
-        msg = f"count = {count}: a turn needs at least {FEWEST_INSTANTS} instants, e.g. 401"
-        raise ConfigError(msg)
+    refuse_no_count("count", count, FEWEST_INSTANTS, "the instants of a turn, e.g. 401")
     root = math.sqrt(_turning_ratio(shape_factor))
     sigma = np.linspace(0.0, 2.0 * np.pi, count)
     sine, cosine = np.sin(sigma), np.cos(sigma)
@@ -145,8 +144,9 @@ def tumble(
         If the shear rate or the viscosity is not positive, the angle not finite or a time not
         a finite number.
     """
+    refuse_other("response", response, FiberResponse)
     rate, viscosity, start = checked_shear(shear_rate, viscosity, angle)
-    instants = np.asarray(time, dtype=np.float64)
+    instants = real_array("time", time, duration=True)
     if instants.ndim != 1 or not np.all(np.isfinite(instants)):
         msg = f"time of shape {instants.shape}: must be a list of finite times in seconds"
         raise ConfigError(msg)
@@ -187,10 +187,11 @@ def turned_angle(
         above -1.
     """
     rate, _, start = checked_shear(shear_rate, 1.0, angle)
+    shape_factor = checked_number("shape_factor", shape_factor)
     if not shape_factor > -1.0:
         msg = f"shape_factor = {shape_factor:g}: must be above -1, that of a flat plate"
         raise ConfigError(msg)
-    instants = checked_finite("time", time)
+    instants = checked_finite("time", time, duration=True)
     if shape_factor < 1.0:
         return jeffery_angle(instants, rate, _turning_ratio(shape_factor), start)
     return _stalling_angle(instants, rate, shape_factor, start)

@@ -12,7 +12,7 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConvergenceError, MeshError
+from fibermelt.errors import ConvergenceError, MeshError, refuse_other
 from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
@@ -163,6 +163,8 @@ def solve_deposition(
 
     Raises
     ------
+    ConfigError
+        If problem or numerics is of another type.
     ConvergenceError
         If there is no steady surface (too small a gap, or a bed so fast that the surface would
         pass under it), the melt climbs above the upstream lip,
@@ -176,6 +178,8 @@ def solve_deposition(
     pressure and nothing else, and a joint scaling of both speeds leaves the shape alone.
     """
     numerics = FlowNumerics() if numerics is None else numerics
+    refuse_other("problem", problem, Deposition)
+    refuse_other("numerics", numerics, FlowNumerics)
     search = SurfaceSearch(problem, progress)
     if start is not None:
         try:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fibermelt.arrays import Unchanging, real_array
 from fibermelt.flow.lagrange import LagrangeTriangle
 
 __all__ = ["FlowField", "Place"]
@@ -47,7 +48,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class FlowField:
+class FlowField(Unchanging):
     """Velocity, pressure, gradient and stream function of a planar flow, in SI units.
 
     Parameters
@@ -160,6 +161,7 @@ class FlowField:
 
     def locate(self, xy: Array, guess: Place | None = None) -> Place:
         """Return where the points ``xy`` (n, 2) lie, walking from ``guess`` if there is one."""
+        xy = real_array("points", xy)
         n = len(xy)
         if guess is None or not guess.found.all():
             cell = np.asarray(self._tree.query(xy)[1], dtype=np.int64)

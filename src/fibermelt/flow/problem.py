@@ -204,19 +204,25 @@ class FlowNumerics:
             raise ConfigError(msg)
         for name in EDGES:
             value = getattr(self, name)
+            refuse_no_number(f"numerics.{name}", value)
             if not SHORTEST_EDGE <= value <= LONGEST_EDGE:
                 msg = (
                     f"numerics.{name} = {value:g} must lie in {SHORTEST_EDGE:g} to "
                     f"{LONGEST_EDGE:g}, in fractions of the capillary's width"
                 )
                 raise ConfigError(msg)
+        refuse_no_number("numerics.growth", self.growth)
         if not 0.05 <= self.growth <= 1.0:
             msg = f"numerics.growth = {self.growth:g} must lie in 0.05 to 1"
             raise ConfigError(msg)
+        refuse_no_number("numerics.flow_tolerance", self.tolerance)
         if not 1e-12 <= self.tolerance <= 1e-3:
             msg = f"numerics.flow_tolerance = {self.tolerance:g} must lie in 1e-12 to 1e-3"
             raise ConfigError(msg)
-        if self.contact_guess is not None and not math.isfinite(self.contact_guess):
+        if self.contact_guess is None:
+            return
+        refuse_no_number("numerics.contact_guess", self.contact_guess)
+        if not math.isfinite(self.contact_guess):
             msg = f"numerics.contact_guess = {self.contact_guess:g} m must be finite, or left out"
             raise ConfigError(msg)
 

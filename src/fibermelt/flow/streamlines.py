@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.errors import ConvergenceError, refuse_no_count, refuse_other
 from fibermelt.flow.deposition import FlowSolution
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.problem import Deposition
@@ -149,16 +149,13 @@ def trace_streamlines(
     Raises
     ------
     ConfigError
-        If there are no streamlines, or fewer than 50 points on each.
+        If there is no solution, there are no streamlines, or fewer than 50 points on each.
     ConvergenceError
         If a line leaves the mesh.
     """
-    if count < 1:
-        msg = f"streamlines.count = {count} must be at least 1"
-        raise ConfigError(msg)
-    if points < 50:
-        msg = f"streamlines.points = {points} must be at least 50"
-        raise ConfigError(msg)
+    refuse_other("solution", solution, FlowSolution)
+    refuse_no_count("streamlines.count", count)
+    refuse_no_count("streamlines.points", points, 50)
     nozzle, field = solution.problem.nozzle, solution.field
     width = nozzle.capillary_width
     fraction, x = inlet_seeds(solution.problem, count)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fibermelt.errors import refuse_other
 from fibermelt.flow.field import FlowField
 
 __all__ = ["write_vtu"]
@@ -32,11 +33,17 @@ def _spatial(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([vectors, np.zeros(len(vectors))])
 
 
-def write_vtu(field: FlowField, path: Path) -> None:
+def write_vtu(field: FlowField, path: str | Path) -> None:
     """Write the field to ``path``: velocity, pressure, gradient, viscosity and the rest, in SI.
 
     The gradient's nine components are those of ``L`` embedded in space, row by row.
+
+    Raises
+    ------
+    ConfigError
+        If the field is none.
     """
+    refuse_other("field", field, FlowField)
     n_cells, n_local = field.cells.shape
     gradient = np.zeros((len(field.points), 3, 3))
     gradient[:, :2, :2] = field.gradient
@@ -67,4 +74,4 @@ def write_vtu(field: FlowField, path: Path) -> None:
         *cells,
         "</Cells></Piece></UnstructuredGrid></VTKFile>",
     ]
-    path.write_text("\n".join(lines), encoding="ascii")
+    Path(path).write_text("\n".join(lines), encoding="ascii")

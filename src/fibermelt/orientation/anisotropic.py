@@ -35,17 +35,20 @@ def _unit_strain(D: Array) -> Array:
 class ARDRSC(AnisotropicDiffusion):
     """Phelps and Tucker's diffusion tensor, with reduced strain.
 
-    ``C = b_1 I + b_2 a + b_3 a a + b_4 D/gamma_dot + b_5 D D/gamma_dot^2``. Nothing bounds the
-    coefficients but stability: they are fitted together. The negative of any but the
-    first is common, and ``C`` is then not positive definite for every ``a``.
+    ``C = b_1 I + b_2 a + b_3 a a + b_4 D/gamma_dot + b_5 D D/gamma_dot^2``. The coefficients are
+    fitted together, and the negative of any but the first is common: ``C`` is then not positive
+    definite for every ``a``, which is lawful as long as no direction ``n`` without fibers is
+    emptied further, see `fibermelt.orientation.diffusion`. There ``a n = 0`` and
+    ``C_nn = b_1 + b_4 D_nn/gamma_dot + b_5 |D n|^2/gamma_dot^2`` must not be negative. Across a
+    planar flow that is ``b_1``, which is therefore bounded here; the rest depends on the flow.
 
     Parameters
     ----------
     shape_factor : float
         ``xi`` [-].
     b1, b2, b3, b4, b5 : float
-        Coefficients [-], not all zero; ``b1`` alone is Folgar-Tucker's ``C_I`` (RSC's below
-        ``kappa = 1``).
+        Coefficients [-], not all zero, the first not negative; ``b1`` alone is Folgar-Tucker's
+        ``C_I`` (RSC's below ``kappa = 1``).
     kappa : float
         Strain reduction factor [-], in (0, 1].
     convention : {"standard", "paper"}
@@ -63,14 +66,22 @@ class ARDRSC(AnisotropicDiffusion):
     b5: float = 0.0
     kappa: float = 1.0
     name: ClassVar[str] = "ard-rsc"
+    way_out: ClassVar[str] = "raise b1, or bring b4 and b5 nearer to 0"
     source: ClassVar[str] = "Phelps and Tucker 2009, doi 10.1016/j.jnnfm.2008.08.002"
 
     def __post_init__(self) -> None:
-        """Refuse coefficients that are not numbers or diffuse nothing, and a bad ``kappa``."""
+        """Refuse coefficients that are no numbers or no diffusion, and a bad ``kappa``."""
         super().__post_init__()
         largest = np.finfo(np.float64).max
         for key in ("b1", "b2", "b3", "b4", "b5"):
             self._bounded(key, -largest, largest, "a finite coefficient")
+        if self.b1 < 0.0:
+            msg = (
+                f"{self.name}: b1 = {self.b1:g} must not be negative: across a planar flow it is "
+                "all the diffusion that fibers in its plane have, and would take more fibers from "
+                "where there are none"
+            )
+            raise ConfigError(msg)
         if self.strength == 0.0:
             msg = f"{self.name}: b1 to b5 are all 0: give b1 > 0, or take the model 'jeffery'"
             raise ConfigError(msg)
@@ -115,7 +126,7 @@ class IARD(InteractingDiffusion):
 
     ``C = C_I (I - C_M D D/||D D||)``, ``||D D|| = sqrt(D D:D D/2)``. In simple shear that is
     ``C_I diag(1 - C_M, 1 - C_M, 1)``. In uniaxial elongation it is ``1 - 4 C_M/3`` along the
-    stretch, negative above ``C_M = 3/4``.
+    stretch, negative above ``C_M = 3/4``, which is refused there.
 
     Parameters
     ----------
@@ -135,6 +146,7 @@ class IARD(InteractingDiffusion):
 
     anisotropy: float
     name: ClassVar[str] = "iard"
+    way_out: ClassVar[str] = "take an anisotropy of at most 3/4, which serves every flow"
     source: ClassVar[str] = "Tseng, Chang and Hsu 2016, doi 10.1122/1.4939098"
 
     def __post_init__(self) -> None:
@@ -159,6 +171,10 @@ class _AlongFibers(InteractingDiffusion):
     Where eigenvalues coincide, see `fibermelt.orientation.frames`: the law jumps there (two states
     that differ by rounding diffuse differently), which no choice can mend.
     """
+
+    def refuse_flow(self, D: Array) -> None:
+        """Take any flow: no weight is negative."""
+        del D
 
     @property
     @abstractmethod

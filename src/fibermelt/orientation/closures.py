@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
 
-from fibermelt.errors import ConfigError, legible
+from fibermelt.errors import ConfigError, legible, refuse_other
 from fibermelt.orientation import fit_tables
 from fibermelt.orientation.bivariate import Bivariate
 from fibermelt.orientation.closure import Closure
@@ -115,8 +115,9 @@ def closure(name: str) -> Closure:
     Raises
     ------
     ConfigError
-        If there is none: the message names the nearest one and all others.
+        If there is none: the message names the nearest one and all others. If it is no name.
     """
+    refuse_other("closure", name, str)
     if name in CLOSURES:
         return CLOSURES[name]
     spelt = {key.lower(): key for key in CLOSURES}

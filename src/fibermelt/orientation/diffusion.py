@@ -5,19 +5,22 @@ All share the moment equation of Phelps and Tucker 2009 (doi 10.1016/j.jnnfm.200
 ``diffusion = gamma_dot [2 C - 2 (tr C) a - 5 (C a + a C) + 10 A:C]``,
 
 and differ in ``C``. With ``C = C_I I`` it is ``2 C_I gamma_dot (I - 3 a)`` for every closure that
-keeps ``A:I = a``. A ``C`` that is not positive definite diffuses backwards in some direction: the
-moments can then leave the range that fibers can have.
+keeps ``A:I = a``. A ``C`` that is not positive definite diffuses backwards in some direction. True
+moments leave the range that fibers can have exactly if that is a direction ``n`` without fibers:
+there ``a n = 0``, of ``n.a_dot n`` all terms vanish but the first (Jeffery's, too), and what is
+left, ``2 gamma_dot C_nn``, makes ``a_nn`` negative.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fibermelt.errors import ConfigError
 from fibermelt.orientation.kinetics import (
     ClosureLike,
     Convention,
@@ -31,12 +34,16 @@ __all__ = ["AnisotropicDiffusion", "InteractingDiffusion"]
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-14
+"""Part of the strength by which an eigenvalue of ``C`` is off."""
+
 
 @dataclass(frozen=True)
 class AnisotropicDiffusion(OrientationModel):
     """Jeffery's terms and the diffusion of the module's docstring."""
 
     convention: Convention = field(default="standard", kw_only=True)
+    way_out: ClassVar[str] = "take less of what is negative"
 
     def __post_init__(self) -> None:
         """Refuse an unknown convention."""
@@ -46,6 +53,27 @@ class AnisotropicDiffusion(OrientationModel):
     @abstractmethod
     def diffusion_tensor(self, a: Array, D: Array) -> Array:
         """Return ``C`` [-], (..., 3, 3), for strain rates ``D`` [1/s]."""
+
+    def refuse_flow(self, D: Array) -> None:
+        """Refuse strain rates (..., 3, 3) [1/s] in which a direction without fibers is emptied.
+
+        ``C`` of a direction that ``a`` does not reach is that of ``a = 0``: what it has of ``a``
+        vanishes there.
+
+        Raises
+        ------
+        ConfigError
+            If ``C`` is negative along some direction.
+        """
+        C = self.diffusion_tensor(np.zeros_like(D), D)
+        least = np.linalg.eigvalsh(C)[..., 0]
+        if np.any(least < -ROUNDING * self.strength):
+            msg = (
+                f"{self.name}: along a direction of this flow the diffusion is {np.min(least):.4g} "
+                "even while no fibers lie there, and would take away more: must not be negative; "
+                f"{self.way_out}"
+            )
+            raise ConfigError(msg)
 
     def diffusion_tensor_derivative(self, a: Array, D: Array, da: Array) -> Array | None:
         """Return the derivatives of ``C`` along ``da`` (..., k, 3, 3); None if it has none."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError
 from fibermelt.orientation.harmonics import (
     LOWEST_DEGREE,
@@ -56,7 +57,8 @@ class Distribution:
     residual: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse a series that is not of its degree."""
+        """Take the numbers over, and refuse a series that is not of its degree."""
+        object.__setattr__(self, "coefficients", real_array("coefficients", self.coefficients))
         if self.degree < LOWEST_DEGREE or self.degree % 2:
             msg = f"degree = {self.degree}: must be even and at least {LOWEST_DEGREE}"
             raise ConfigError(msg)
@@ -97,7 +99,7 @@ class Distribution:
         ConfigError
             If a direction is not a unit vector.
         """
-        p = np.asarray(direction, dtype=np.float64)
+        p = real_array("direction", direction)
         if p.ndim != 2 or p.shape[1] != 3:
             msg = f"direction has shape {p.shape}, expected (k, 3)"
             raise ConfigError(msg)

@@ -9,7 +9,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, HistoryError, legible
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, HistoryError, legible, refuse_other
 from fibermelt.history import TRACE_TOLERANCE
 
 __all__ = [
@@ -67,7 +68,13 @@ def nearest_name(kind: str, name: str, known: Mapping[str, object]) -> str:
         What was asked for.
     known : mapping
         The names there are.
+
+    Raises
+    ------
+    ConfigError
+        If what was asked for is no name.
     """
+    refuse_other(kind, name, str)
     folded = {key.casefold(): key for key in known}
     near = difflib.get_close_matches(name.casefold(), folded, n=1, cutoff=0.0)
     hint = f"; did you mean {folded[near[0]]!r}?" if near else ""
@@ -82,7 +89,7 @@ def flow_gradient(name: str) -> Array:
     ConfigError
         If there is no such flow; the message has the nearest name.
     """
-    if name not in FLOWS:
+    if not isinstance(name, str) or name not in FLOWS:
         raise ConfigError(nearest_name("flow", name, FLOWS))
     return FLOWS[name]
 
@@ -98,7 +105,7 @@ def embedded(gradient: ArrayLike) -> Array:
     HistoryError
         If the last two axes are neither (2, 2) nor (3, 3).
     """
-    L = np.asarray(gradient, dtype=np.float64)
+    L = real_array("gradient", gradient, error=HistoryError)
     if L.shape[-2:] == (3, 3):
         return L
     if L.shape[-2:] != (2, 2):

@@ -18,7 +18,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError, legible
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, legible, refuse_no_number, refuse_other
 
 __all__ = [
     "INTERACTION_LAWS",
@@ -161,6 +162,7 @@ INTERACTION_LAWS: Mapping[str, InteractionLaw] = MappingProxyType(
 
 def interaction_law(name: str) -> InteractionLaw:
     """Return a law by its name; an unknown one is a `ConfigError` with the nearest."""
+    refuse_other("interaction law", name, str)
     if name in INTERACTION_LAWS:
         return INTERACTION_LAWS[name]
     near = difflib.get_close_matches(name.lower(), INTERACTION_LAWS, n=1, cutoff=0.0)[0]
@@ -236,6 +238,7 @@ def paper_domain_size(interaction: ArrayLike) -> Array:
 
 def checked_interaction(interaction: float) -> float:
     """Return a positive finite ``C_I`` [-], or refuse it (`ConfigError`)."""
+    refuse_no_number("interaction", interaction)
     if not (np.isfinite(interaction) and interaction > 0.0):
         msg = (
             f"interaction = {interaction:g}: C_I must be positive, e.g. 0.0128; "
@@ -246,7 +249,7 @@ def checked_interaction(interaction: float) -> float:
 
 
 def _checked_paper_interaction(interaction: ArrayLike, equation: str, end: float) -> Array:
-    C_I = np.asarray(interaction, dtype=np.float64)
+    C_I = real_array("interaction", interaction)
     inside = (C_I > 0.0) & (end >= C_I)
     if not np.all(inside):
         first = float(C_I[~inside].flat[0])
@@ -260,6 +263,8 @@ def _checked_paper_interaction(interaction: ArrayLike, equation: str, end: float
 
 def _product(volume_fraction: float, aspect_ratio: float) -> float:
     """Return ``v_f r_e``, or refuse what is no content or no fiber (`ConfigError`)."""
+    refuse_no_number("fiber.volume_fraction", volume_fraction)
+    refuse_no_number("fiber.aspect_ratio", aspect_ratio)
     if not 0.0 < volume_fraction < 1.0:
         msg = (
             f"fiber.volume_fraction = {volume_fraction:g}: must lie between 0 and 1, both excluded "

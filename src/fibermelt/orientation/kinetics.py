@@ -19,7 +19,7 @@ from typing import ClassVar, Literal, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
 from fibermelt.orientation.flows import nearest_name, shear_rate, strain_and_spin
 from fibermelt.orientation.frames import PrincipalFrame, pinched, pinched_derivative
 from fibermelt.orientation.tensors import TANGENTS, pack
@@ -65,11 +65,13 @@ def shape_factor(aspect_ratio: float) -> float:
     ----------
     Bretherton 1962, doi 10.1017/S002211206200124X; the paper's Eq. 26.
     """
+    refuse_no_number("aspect_ratio", aspect_ratio)
     if not (math.isfinite(aspect_ratio) and aspect_ratio > 0.0):
         msg = f"aspect_ratio = {aspect_ratio:g}: must be positive, e.g. 6"
         raise ConfigError(msg)
-    r2 = aspect_ratio * aspect_ratio
-    return (r2 - 1.0) / (r2 + 1.0)
+    square = float(aspect_ratio) * float(aspect_ratio)
+    # beyond 1e154 the square overflows: 1 is then right to the last bit, as it is from 1e9 on
+    return (square - 1.0) / (square + 1.0) if square < math.inf else 1.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,6 +109,10 @@ class OrientationModel(ABC):
         """Return the same model with ``factor`` times the diffusion."""
         del factor
         return self
+
+    def refuse_flow(self, D: Array) -> None:
+        """Refuse strain rates (..., 3, 3) [1/s] in which the law has no sense; here none."""
+        del D
 
     def rate(self, a: Array, L: Array, closure: ClosureLike) -> Array:
         """Return ``a_dot`` [1/s], (..., 3, 3).
@@ -184,6 +190,7 @@ class OrientationModel(ABC):
     def _bounded(self, key: str, low: float, high: float, meaning: str) -> None:
         """Refuse a parameter outside [low, high]."""
         value = getattr(self, key)
+        refuse_no_number(f"{self.name}: {key}", value)
         if not (math.isfinite(value) and low <= value <= high):
             msg = f"{self.name}: {key} = {value:g} must be in [{low:g}, {high:g}]: {meaning}"
             raise ConfigError(msg)
@@ -191,9 +198,19 @@ class OrientationModel(ABC):
     def _positive(self, key: str, way_out: str) -> None:
         """Refuse a parameter that is not positive and finite."""
         value = getattr(self, key)
+        refuse_no_number(f"{self.name}: {key}", value)
         if not (math.isfinite(value) and value > 0.0):
             msg = f"{self.name}: {key} = {value:g} must be positive: {way_out}"
             raise ConfigError(msg)
+
+
+def checked_law(model: OrientationModel, closure: ClosureLike) -> None:
+    """Refuse what is no model, or no closure: a name is none yet (`ConfigError`)."""
+    refuse_other("model", model, OrientationModel)
+    if not (hasattr(closure, "contract") and hasattr(closure, "contract_derivative")):
+        kind = type(closure).__name__
+        msg = f'closure is of the type {kind}: must be one, e.g. fibermelt.closure("ORE")'
+        raise ConfigError(msg)
 
 
 def checked_convention(model: str, convention: str) -> None:

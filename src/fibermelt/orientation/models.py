@@ -235,6 +235,6 @@ def model_class(name: str) -> type[OrientationModel]:
     ConfigError
         If there is none of that name; the message has the nearest.
     """
-    if name not in MODELS:
+    if not isinstance(name, str) or name not in MODELS:
         raise ConfigError(nearest_name("orientation model", name, MODELS))
     return MODELS[name]

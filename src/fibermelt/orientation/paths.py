@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import HistoryError
 from fibermelt.interpolation import SLOPE_PART, PathInterpolant
 from fibermelt.orientation.flows import checked_gradient
@@ -49,8 +50,14 @@ class GradientAlong:
 
 def checked_history(history: FlowPath | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
     """Return times (..., n) and gradients (..., n, 3, 3) of equal leading axes."""
+    is_pair = isinstance(history, tuple) and len(history) == 2
+    if not is_pair and not (hasattr(history, "time") and hasattr(history, "gradient")):
+        kind = type(history).__name__
+        msg = f"history is of the type {kind}: must be a FlowHistory, or a pair (time, gradient)"
+        raise HistoryError(msg)
     pair = history if isinstance(history, tuple) else (history.time, history.gradient)
-    time, L = np.asarray(pair[0], dtype=np.float64), checked_gradient(pair[1])
+    time = real_array("time", pair[0], error=HistoryError, duration=True)
+    L = checked_gradient(pair[1])
     if time.ndim == 0 or time.shape[-1] < 2 or time.shape != L.shape[:-2]:
         msg = (
             f"orientation: time has shape {time.shape}, the gradient {L.shape}: expected (..., n) "

@@ -12,7 +12,14 @@ from scipy.integrate import DOP853
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from scipy.sparse.csgraph import connected_components
 
-from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
+from fibermelt.arrays import real_array
+from fibermelt.errors import (
+    ConfigError,
+    ConvergenceError,
+    HistoryError,
+    refuse_no_count,
+    refuse_no_number,
+)
 from fibermelt.orientation.distribution import UNIFORM
 from fibermelt.orientation.flows import checked_gradient
 from fibermelt.orientation.harmonics import (
@@ -152,6 +159,7 @@ def _interpolant(time: Array, values: Array) -> Callable[[float], Array]:
 
 def checked_degree(degree: int) -> int:
     """Return an even degree of at least four, or refuse it (`ConfigError`)."""
+    refuse_no_count("degree", degree, 0)
     if degree < LOWEST_DEGREE or degree % 2:
         msg = f"degree = {degree}: must be even and at least {LOWEST_DEGREE}"
         raise ConfigError(msg)
@@ -160,6 +168,7 @@ def checked_degree(degree: int) -> int:
 
 def checked_factor(shape_factor: float) -> float:
     """Return a finite shape factor, or refuse it (`ConfigError`)."""
+    refuse_no_number("shape_factor", shape_factor)
     if not np.isfinite(shape_factor):
         msg = f"shape_factor = {shape_factor:g}: must be finite, e.g. (r_e^2 - 1)/(r_e^2 + 1)"
         raise ConfigError(msg)
@@ -168,6 +177,7 @@ def checked_factor(shape_factor: float) -> float:
 
 def checked_diffusivity(diffusivity: float) -> float:
     """Return a diffusivity that is not negative, or refuse it (`ConfigError`)."""
+    refuse_no_number("diffusivity", diffusivity)
     if not (np.isfinite(diffusivity) and diffusivity >= 0.0):
         msg = f"diffusivity = {diffusivity:g} 1/s: must not be negative, e.g. C_I gamma_dot"
         raise ConfigError(msg)
@@ -178,14 +188,15 @@ def checked_history(
     time: ArrayLike, gradient: ArrayLike, diffusivity: ArrayLike
 ) -> tuple[Array, Array, Array]:
     """Return times (n,), gradients (n, 3, 3) and diffusivities (n,), or refuse them."""
-    t, L = np.asarray(time, dtype=np.float64), checked_gradient(gradient)
+    t = real_array("time", time, error=HistoryError, duration=True)
+    L = checked_gradient(gradient)
     if t.ndim != 1 or t.size < 2 or not np.all(np.diff(t) > 0.0) or not np.all(np.isfinite(t)):
         msg = f"time (shape {t.shape}) must increase strictly over at least 2 points"
         raise HistoryError(msg)
     if L.shape != (t.size, 3, 3):
         msg = f"gradient has shape {np.shape(gradient)}, expected one for each of {t.size} times"
         raise HistoryError(msg)
-    D_r = np.asarray(diffusivity, dtype=np.float64)
+    D_r = real_array("diffusivity", diffusivity)
     if D_r.shape not in ((), t.shape):
         msg = f"diffusivity has shape {D_r.shape}, expected () or {t.shape} like time"
         raise HistoryError(msg)

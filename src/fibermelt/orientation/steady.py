@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.orientation.flows import checked_gradient, shear_rate, strain_and_spin
-from fibermelt.orientation.kinetics import ClosureLike, OrientationModel
+from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
 from fibermelt.orientation.tensors import (
     checked_orientation,
     isotropic,
@@ -182,8 +182,8 @@ def steady_state(
     Raises
     ------
     ConfigError
-        If nothing is strained, ``start`` is no orientation tensor, or the model has no diffusion
-        and there is no ``start``.
+        If nothing is strained, ``start`` is no orientation tensor, the model has no diffusion and
+        there is no ``start``, or its diffusion is negative in this flow where there are no fibers.
     HistoryError
         If ``L`` has a trace or is not finite.
     ConvergenceError
@@ -197,11 +197,13 @@ def steady_state(
     coincident eigenvalues, where those laws jump: stability there is along changes that keep
     them together.
     """
+    checked_law(model, closure)
     problem = _Problem(model.without_retardation(), *_checked_flow(L), closure)
+    model.refuse_flow(strain_and_spin(problem.L)[0])
     if start is None:
         point, steps = _continued(problem)
     else:
-        first = checked_orientation(np.asarray(start, dtype=np.float64), "start")
+        first = checked_orientation(start, "start")
         found = problem.newton(problem.model, pack(first), problem.tolerance)
         if found is None:
             msg = (

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError
 from fibermelt.orientation.eigen import eigenframe
 
@@ -46,12 +47,12 @@ Independent components in the order (a11, a22, a12, a13, a23), with ``a33 = 1 - 
 """
 
 
-def checked_orientation(a: Array, name: str = "a") -> Array:
+def checked_orientation(a: ArrayLike, name: str = "a") -> Array:
     """Return an orientation tensor, or a batch of them, once it is known to be one.
 
     Parameters
     ----------
-    a : (..., 3, 3) array
+    a : (..., 3, 3) array_like
         Second-order orientation tensors [-].
     name : str
         What the message calls it.
@@ -67,11 +68,7 @@ def checked_orientation(a: Array, name: str = "a") -> Array:
     ConfigError
         If the shape is another, a number is not finite, or asymmetry or |trace - 1| exceed 1e-10.
     """
-    try:
-        tensor = np.array(a, dtype=float)
-    except (TypeError, ValueError) as problem:
-        msg = f"{name} is not an array of numbers ({problem}): give 3 rows of 3"
-        raise ConfigError(msg) from problem
+    tensor = np.array(real_array(name, a))
     if tensor.shape[-2:] != (3, 3):
         msg = f"{name} has shape {tensor.shape}, expected (..., 3, 3): planar tensors stay 3x3"
         raise ConfigError(msg)
@@ -106,7 +103,7 @@ def isotropic() -> Array:
     return third
 
 
-def principal(a: Array) -> tuple[Array, Array]:
+def principal(a: ArrayLike) -> tuple[Array, Array]:
     """Return eigenvalues and principal directions, largest first.
 
     Parameters
@@ -122,12 +119,15 @@ def principal(a: Array) -> tuple[Array, Array]:
         Unit eigenvectors in the columns, of either sign: ``a = R diag(values) R^T``. Where
         eigenvalues coincide, one orthonormal choice out of many.
     """
-    shape = np.shape(a)
-    values, vectors = eigenframe(np.asarray(a, dtype=float).reshape(-1, 3, 3))
-    return values.reshape(shape[:-1]), vectors.reshape(shape)
+    tensors = real_array("a", a)
+    if tensors.shape[-2:] != (3, 3):
+        msg = f"a has shape {tensors.shape}, expected (..., 3, 3)"
+        raise ConfigError(msg)
+    values, vectors = eigenframe(tensors.reshape(-1, 3, 3))
+    return values.reshape(tensors.shape[:-1]), vectors.reshape(tensors.shape)
 
 
-def out_of_range(a: Array) -> Array:
+def out_of_range(a: ArrayLike) -> Array:
     """Return how far the eigenvalues leave [0, 1], 0 where they do not.
 
     Parameters
@@ -146,7 +146,7 @@ def out_of_range(a: Array) -> Array:
     return largest
 
 
-def preferred_angle(a: Array) -> Array:
+def preferred_angle(a: ArrayLike) -> Array:
     """Return the in-plane angle of the principal direction (paper Eq. 31).
 
     Parameters

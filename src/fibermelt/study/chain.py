@@ -131,7 +131,7 @@ CHAIN = Chain(
             inputs_if=_from_content,
             light_if=_always,
         ),
-        Stage("orientation", 2, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage("orientation", 3, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
         Stage(
             "voids",
             1,

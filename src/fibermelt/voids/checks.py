@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.arrays import real_array
+from fibermelt.errors import ConfigError, refuse_no_number
 
 __all__ = [
     "checked_moisture",
@@ -55,6 +56,7 @@ def checked_value(
     ConfigError
         If the value is not finite or outside.
     """
+    refuse_no_number(name, value)
     if math.isfinite(value) and value > above and least <= value <= most:
         return
     wanted = _wanted(above, least, most, unit)
@@ -70,6 +72,7 @@ def checked_range(
     remedy: str = "",
     *,
     positive: bool = False,
+    duration: bool = False,
 ) -> Array:
     """Return values as an array, or refuse the first that is not finite or outside its range.
 
@@ -87,13 +90,15 @@ def checked_range(
         What to do about it.
     positive : bool
         Whether zero is excluded, besides.
+    duration : bool
+        As in `fibermelt.arrays.real_array`.
 
     Raises
     ------
     ConfigError
         If a value is not finite or outside.
     """
-    array = np.asarray(values, dtype=np.float64)
+    array = real_array(name, values, duration=duration)
     low, high = bounds
     fine = np.isfinite(array) & (array >= low) & (array <= high)
     if positive:

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.voids.checks import checked_range, checked_value
 
 __all__ = ["MechanicalCriterion", "ResidenceCondition"]
@@ -85,7 +86,7 @@ class ResidenceCondition:
         ConfigError
             If a radius is not positive.
         """
-        r = np.asarray(radius, dtype=np.float64)
+        r = real_array("critical radius", radius)
         if not np.all(r > 0.0):
             checked_value("critical radius", float(r[~(r > 0.0)].flat[0]), "m", above=0.0)
         return r**2 / self.diffusivity
@@ -110,7 +111,7 @@ class ResidenceCondition:
         ConfigError
             If a radius is not positive, or a time negative or not finite.
         """
-        time = checked_range("available time", available, (0.0, np.inf), "s")
+        time = checked_range("available time", available, (0.0, np.inf), "s", duration=True)
         t_n, t_d = np.broadcast_arrays(self.time(radius), time)
         margin = np.full(t_n.shape, np.inf)
         possible = np.isfinite(t_n) & (t_d > 0.0)

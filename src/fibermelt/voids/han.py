@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.voids.checks import checked_range, checked_value
 from fibermelt.voids.constants import BOLTZMANN
 from fibermelt.voids.nucleation import LN10, ONE_EVENT, critical_radius, log10_barrier
@@ -51,7 +52,7 @@ def bubble_pressure(
         If a value is out of range.
     """
     P = checked_range("pressure", pressure, (-np.inf, np.inf), "Pa")
-    r = np.asarray(radius, dtype=np.float64)
+    r = real_array("radius", radius)
     if not np.all(r > 0.0):
         checked_value("bubble radius", float(r[~(r > 0.0)].flat[0]), "m", above=0.0)
     for name, value, unit in (

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import HistoryError
 from fibermelt.voids.checks import checked_range, checked_value
 from fibermelt.voids.constants import ATMOSPHERE
@@ -98,7 +99,8 @@ def assess(
     ConfigError
         If the vapor pressure or the ambient one is negative.
     """
-    t, gauge = np.asarray(time, dtype=np.float64), np.asarray(lowest_pressure, dtype=np.float64)
+    t = real_array("time", time, error=HistoryError, duration=True)
+    gauge = real_array("lowest_pressure", lowest_pressure, error=HistoryError)
     _refuse_unpaired(t, gauge)
     checked_value("ambient", ambient, "Pa", least=0.0, remedy="it is absolute: 101325 Pa")
     wanted = checked_range("vapor_pressure", vapor_pressure, (0.0, np.inf), "Pa")

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError
 from fibermelt.voids.checks import (
     checked_moisture,
@@ -122,13 +123,13 @@ class FloryHuggins:
 
     def volume_fraction(self, moisture: ArrayLike) -> Array:
         """Return ``phi_1 = (w/rho_1)/(w/rho_1 + (1 - w)/rho_2)`` [-], shape (...,)."""
-        w = np.asarray(moisture, dtype=np.float64)
+        w = real_array("moisture", moisture)
         volume = w / self.solvent_density
         return volume / (volume + (1.0 - w) / self.polymer_density)
 
     def mass_fraction(self, fraction: ArrayLike) -> Array:
         """Return the moisture ``w`` [-] of a volume fraction [-], shape (...,)."""
-        solvent = np.asarray(fraction, dtype=np.float64)
+        solvent = real_array("fraction", fraction)
         mass = solvent * self.solvent_density
         return mass / (mass + (1.0 - solvent) * self.polymer_density)
 
@@ -139,7 +140,7 @@ class FloryHuggins:
 
     def vapor_pressure(self, moisture: ArrayLike, temperature: ArrayLike) -> Array:
         """Return ``P_V`` [Pa, absolute]; parameters and refusals as of `Henry.vapor_pressure`."""
-        T = np.asarray(temperature, dtype=np.float64)
+        T = real_array("temperature", temperature)
         w = checked_moisture(moisture, self.saturation_content(T), T)
         fraction = self.volume_fraction(w)
         wet = fraction > 0.0

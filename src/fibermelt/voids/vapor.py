@@ -13,6 +13,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fibermelt.arrays import real_array
 from fibermelt.voids.checks import (
     checked_moisture,
     checked_range,
@@ -56,7 +57,7 @@ def van_t_hoff(heat: float, temperature: ArrayLike, reference_temperature: float
     reference_temperature : float
         ``T_ref`` [K], > 0, at which the factor is one.
     """
-    T = np.asarray(temperature, dtype=np.float64)
+    T = real_array("temperature", temperature)
     factor: Array = np.exp(-heat / GAS_CONSTANT * (1.0 / T - 1.0 / reference_temperature))
     return factor
 
@@ -86,7 +87,7 @@ def critical_moisture(isotherm: Isotherm, pressure: ArrayLike, temperature: Arra
         If a pressure is not finite, or the temperature is outside the law's range.
     """
     local = checked_range("pressure", pressure, (-np.inf, np.inf), "Pa")
-    local, T = np.broadcast_arrays(local, np.asarray(temperature, dtype=np.float64))
+    local, T = np.broadcast_arrays(local, real_array("temperature", temperature))
     isotherm.saturation_content(T)  # refuses temperatures that the law is not for, at any pressure
     saturated = saturation_pressure(T)
     inside = (local > 0.0) & (local <= saturated)
@@ -157,7 +158,7 @@ class Henry:
         ConfigError
             If the moisture is above saturation, or the temperature outside the law's range.
         """
-        T = np.asarray(temperature, dtype=np.float64)
+        T = real_array("temperature", temperature)
         return checked_moisture(moisture, self.saturation_content(T), T) / self.solubility(T)
 
     def moisture(self, vapor_pressure: ArrayLike, temperature: ArrayLike) -> Array:
@@ -218,7 +219,7 @@ class ActivityLaw:
 
     def vapor_pressure(self, moisture: ArrayLike, temperature: ArrayLike) -> Array:
         """Return ``P_V`` [Pa, absolute]; parameters and refusals as of `Henry.vapor_pressure`."""
-        T = np.asarray(temperature, dtype=np.float64)
+        T = real_array("temperature", temperature)
         content = self.saturation_content(T)
         return checked_moisture(moisture, content, T) / content * saturation_pressure(T)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
 from fibermelt.fiber.cell.mesh import CurvedMesh, curved_mesh
 from fibermelt.fiber.cell.stokes import Fields, Modes, sample_fields, solve_modes
 from fibermelt.fiber.cell.triangles import paper_mesh
@@ -48,7 +48,7 @@ def solve_cell(
     Raises
     ------
     ConfigError
-        If the fiber does not fit into its cell.
+        If the fiber does not fit into its cell, or an argument is of another type.
     ConvergenceError
         If the linear solve leaves a residual.
     """
@@ -80,6 +80,9 @@ def solve_cell(
 
 def cell_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid | PaperGrid:
     """Return the grid of a cell; refuse one that cannot hold or resolve it (`ConfigError`)."""
+    refuse_other("fiber", fiber, Ellipse)
+    refuse_other("numerics", numerics, CellNumerics)
+    refuse_no_number("fiber.domain_size", domain_size)
     refuse_too_slender(fiber.aspect_ratio, MOST_SLENDER)
     if not (np.isfinite(domain_size) and domain_size > 2):
         msg = (
