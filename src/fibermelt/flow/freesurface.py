@@ -18,6 +18,7 @@ from fibermelt.flow.forms import Elements, Unknowns, jacobian_form, residual_for
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
+from fibermelt.threads import exclusive
 
 __all__ = ["Boundaries", "FreeSurfaceFlow", "Step"]
 
@@ -62,6 +63,7 @@ class FreeSurfaceFlow:
     `step` is one Newton step of the coupled problem, shortened if it would tangle the mesh.
     """
 
+    @exclusive
     def __init__(self, mesh: ng.Mesh, boundaries: Boundaries, order: int) -> None:
         """Set the problem up on ``mesh`` and solve Stokes on it as it is."""
         self.mesh = mesh
@@ -130,6 +132,7 @@ class FreeSurfaceFlow:
         points = self.mesh.MapToAllElements(rule, ng.VOL)
         return float(ng.Det(ng.Id(2) + ng.Grad(displacement))(points).min())
 
+    @exclusive
     def step(self, rate: float = 0.0, reuse: bool = False) -> Step:
         """Take one step of flow and mesh together, shortened so that no element tangles.
 
@@ -172,6 +175,7 @@ class FreeSurfaceFlow:
         self.mesh.SetDeformation(self.displacement)
         return Step(*met, size, fraction, jacobian)
 
+    @exclusive
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:
         """Return the boundary ``name`` as it lies now, a polyline (n, 2) that begins at ``start``.
 
@@ -193,6 +197,7 @@ class FreeSurfaceFlow:
             left[which] = False
         return np.vstack([*line, end[None]])
 
+    @exclusive
     def kinematic_residual(self) -> float:
         """Return the root mean square of ``u.n`` over the free surfaces, in scaled units."""
         free = ng.ds(self.boundaries.free, bonus_intorder=2)

@@ -16,6 +16,7 @@ from fibermelt.fiber.cell_surface import surface_basis
 from fibermelt.fiber.checks import refuse_too_slender
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
+from fibermelt.threads import exclusive
 
 __all__ = ["cell_grid", "solve_cell"]
 
@@ -25,6 +26,7 @@ MOST_SLENDER = 1e3
 """Aspect ratio up to which a cell has been solved: in ten seconds, to an estimated 1.5e-5."""
 
 
+@exclusive
 def solve_cell(
     fiber: Ellipse, domain_size: float, numerics: CellNumerics | None = None
 ) -> CellSolution:
