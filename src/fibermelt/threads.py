@@ -15,7 +15,8 @@ from typing import ParamSpec, TypeVar
 
 __all__ = ["exclusive"]
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 _INSIDE = RLock()
 """Held by the thread that is inside; it may enter again, as one entry uses another."""

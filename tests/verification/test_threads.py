@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from threading import Thread
 
 import ngsolve as ng
@@ -11,7 +12,7 @@ from patience import PATIENCE
 
 import fibermelt as fm
 from fibermelt import threads
-from fibermelt.fiber.cell import build_system, solve_cell
+from fibermelt.fiber.cell import build_system, solve, solve_cell
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.flow.dieswell import solve_die_swell, swell_problem
 from fibermelt.flow.freesurface import FreeSurfaceFlow
@@ -111,3 +112,11 @@ def test_threads_get_what_one_gets_alone():
     command = [sys.executable, "-c", IN_THREADS]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_cell_that_lost_its_symmetry_is_no_answer(monkeypatch):
+    """What gets between two halves of a solve has no mirror image, and need leave no residual."""
+    modes = solve.solve_modes
+    monkeypatch.setattr(solve, "solve_modes", lambda mesh: replace(modes(mesh), handedness=-2e-6))
+    with pytest.raises(fm.ConvergenceError, match="spins at -2.0e-06"):
+        solve_cell(FIBER, 4.0, ROUGH)
