@@ -1,4 +1,4 @@
-"""No stage has an answer, to use or to store, whose own estimate of its error is beyond its bound."""
+"""No stage has an answer, to use or to store, that is not good by its own estimate."""
 
 from dataclasses import replace
 

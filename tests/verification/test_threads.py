@@ -118,5 +118,5 @@ def test_a_cell_that_lost_its_symmetry_is_no_answer(monkeypatch):
     """What gets between two halves of a solve has no mirror image, and need leave no residual."""
     modes = solve.solve_modes
     monkeypatch.setattr(solve, "solve_modes", lambda mesh: replace(modes(mesh), handedness=-2e-6))
-    with pytest.raises(fm.ConvergenceError, match="spins at -2.0e-06"):
+    with pytest.raises(fm.ConvergenceError, match=r"spins at -2\.0e-06"):
         solve_cell(FIBER, 4.0, ROUGH)

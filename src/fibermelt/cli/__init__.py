@@ -13,6 +13,7 @@ from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.plans import plan
 from fibermelt.cli.reports import report
+from fibermelt.cli.signals import stand_in_for_closed
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.sweeps import clean, collect, resume, status, sweep
 from fibermelt.cli.versions import options, version
@@ -40,4 +41,5 @@ for command in COMMANDS:
 
 def main() -> None:
     """Run the command line, once it is loaded: `fibermelt.__main__` begins before that."""
+    stand_in_for_closed()
     app()

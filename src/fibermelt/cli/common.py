@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import errno
-import os
 import shutil
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
+from fibermelt.study.progress import silence
 
 __all__ = [
     "INTERRUPTED",
@@ -25,6 +25,7 @@ __all__ = [
     "StudyArgument",
     "WorkersOption",
     "columns",
+    "complain",
     "given_folder",
     "named_folder",
     "results_folder",
@@ -122,8 +123,16 @@ def told() -> Iterator[None]:
         # Only a study has several faults at once; a path may hold line breaks of its own.
         faults = str(error).split("\n") if isinstance(error, ConfigError) else [str(error)]
         for fault in faults:
-            typer.echo(f"error: {legible(fault, len(fault))}", err=True)
+            complain(f"error: {legible(fault, len(fault))}")
         raise typer.Exit(MISTAKE) from None
+
+
+def complain(text: str) -> None:
+    """Print on standard error, as far as that can be: the exit code is told in any case."""
+    try:
+        typer.echo(text, err=True)
+    except OSError:
+        silence(sys.stderr)
 
 
 def columns() -> int:
@@ -140,9 +149,7 @@ def say(text: str, *, newline: bool = True) -> None:
     except OSError as error:
         if error.errno == errno.EPIPE:
             raise
-        # What is still buffered would fail once more, with a traceback, as the process ends.
-        with suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence(sys.stdout)
         reason = (error.strerror or str(error)).lower()
         msg = f"standard output: cannot be written: {reason}"
         raise StoreError(msg) from error

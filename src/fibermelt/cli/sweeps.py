@@ -21,6 +21,7 @@ from fibermelt.cli.common import (
     StudyArgument,
     WorkersOption,
     columns,
+    complain,
     given_folder,
     results_folder,
     say,
@@ -83,7 +84,7 @@ def _watching(*, as_json: bool) -> Iterator[Observer]:
         yield notes
     finally:
         for line in notes.lines:
-            typer.echo(f"note: {line}", err=True)
+            complain(f"note: {line}")
 
 
 def sweep(
@@ -161,7 +162,7 @@ def _go(
         except KeyboardInterrupt as ended:
             kept = f"finished cases are kept, fibermelt resume {_quoted(folder)} goes on"
             is_begun = (folder / "sweep.json").exists()
-            typer.echo(f"interrupted: {kept if is_begun else 'nothing was begun'}", err=True)
+            complain(f"interrupted: {kept if is_begun else 'nothing was begun'}")
             raise typer.Exit(ended.code if isinstance(ended, Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))

@@ -41,8 +41,8 @@ PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
 
 SHAPE_FACTOR_BOUND = {"graded": 1e-3, "paper": 2e-2}
 """Largest estimated error of ``B``, over ``B`` if that is above one. The lowest order has 1e-4 at
-``M = 4``, the default 1e-9; the paper's mesh, whose error is what it is there to show, has 1.4e-2 at
-``M = 2.01``. A rounder fiber in a narrower cell takes a higher order, or is lost to rounding."""
+``M = 4``, the default 1e-9; the paper's mesh, whose error is what it is there to show, has 1.4e-2
+at ``M = 2.01``. A rounder fiber in a narrower cell takes a higher order, or is lost to rounding."""
 
 TIP_PRESSURE_BOUND = {"graded": 0.05, "paper": 1.0}
 """Largest estimated error of the tip pressure, relative: the lowest order has 1e-2 at ``M = 4``,
