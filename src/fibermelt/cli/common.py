@@ -12,10 +12,18 @@ from typing import Annotated
 
 import typer
 
-from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
+from fibermelt.errors import (
+    ConfigError,
+    ConvergenceError,
+    FibermeltError,
+    MeshError,
+    StoreError,
+    legible,
+)
 from fibermelt.study.progress import silence
 
 __all__ = [
+    "INCOMPLETE",
     "INTERRUPTED",
     "ColdOption",
     "JsonOption",
@@ -33,8 +41,11 @@ __all__ = [
     "told",
 ]
 
+INCOMPLETE = 1
+"""Exit code of what ran, but not all came out: a case or solve without answer, a failed check."""
+
 MISTAKE = 2
-"""Exit code of a `FibermeltError`: a study, a folder or a solve that cannot be as it is."""
+"""Exit code of any other `FibermeltError`: a study or a folder that cannot be as it is."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
@@ -124,7 +135,8 @@ def told() -> Iterator[None]:
         faults = str(error).split("\n") if isinstance(error, ConfigError) else [str(error)]
         for fault in faults:
             complain(f"error: {legible(fault, len(fault))}")
-        raise typer.Exit(MISTAKE) from None
+        ran = isinstance(error, ConvergenceError | MeshError)
+        raise typer.Exit(INCOMPLETE if ran else MISTAKE) from None
 
 
 def complain(text: str) -> None:
