@@ -1,9 +1,9 @@
 """The command line: thin, and a person's mistake never ends in a traceback.
 
 Exit codes: 0 all done; 1 it ran, but not all came out: a run whose flow has no answer, a sweep with
-a case that has none or is not finished, a check of `fibermelt verify` that fails; 2 what the
-command was given is of no use, with one line for each fault on standard error; 130 interrupted; 143 and 129
-a sweep that was told to end (SIGTERM), and one whose terminal was closed (SIGHUP).
+a case that has none or is not finished, a check of `fibermelt verify` that fails; 2 what it was
+given is of no use, with one line for each fault on standard error; 130 interrupted; 143 and 129 a
+sweep that was told to end (SIGTERM), and one whose terminal was closed (SIGHUP).
 """
 
 from __future__ import annotations
