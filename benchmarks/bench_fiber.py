@@ -164,3 +164,21 @@ def test_cell(benchmark: BenchmarkFixture, estimate: bool) -> None:
     """The cell's two solutions, without and with the error estimate."""
     numerics = CellNumerics(estimate=estimate)
     benchmark(lambda: fm.solve_cell(FIBER, DOMAIN_SIZE, numerics))
+
+
+ENTRIES = 2000
+"""Solves by a system's factors, a millisecond each: the shortest stay in the finite elements."""
+
+
+def test_one_thread_is_not_slowed_by_the_lock(benchmark: BenchmarkFixture) -> None:
+    """Solves that enter through the lock against the same without it, in turns, best of five."""
+    system = build_system(FIBER, DOMAIN_SIZE, CellNumerics(order=3))
+    load, plain = np.ones(system.free.size), system.solve.__wrapped__  # type: ignore[attr-defined]
+
+    def cost(solve: Callable[[np.ndarray], np.ndarray]) -> float:
+        return seconds(lambda: [solve(load) for _ in range(ENTRIES)])
+
+    pairs = benchmark.pedantic(lambda: [(cost(system.solve), cost(plain)) for _ in range(5)])
+    ratio = min(locked for locked, _ in pairs) / min(free for _, free in pairs)
+    benchmark.extra_info["locked over plain"] = ratio
+    assert ratio < 1.05  # a lock takes 1e-4 of a solve; the rest is what a busy machine adds

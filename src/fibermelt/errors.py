@@ -28,7 +28,7 @@ LONGEST_PATH = 4096
 
 
 class FibermeltError(Exception):
-    """Anything a user can cause or cure; the command line prints it on one line, exit code 2."""
+    """Anything a user can cause or cure; the command line prints it on one line."""
 
 
 class ConfigError(FibermeltError):

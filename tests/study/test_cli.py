@@ -1,6 +1,7 @@
 """The command line: what it prints, where, and with which exit code."""
 
 import json
+import os
 import subprocess
 import sys
 import tomllib
@@ -8,6 +9,7 @@ from pathlib import Path
 
 import fakes
 import pytest
+from patience import PATIENCE
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
@@ -173,3 +175,62 @@ def test_what_is_imported_stays_light(code, allowed):
     )
     loaded = set(done.stdout.strip("[]\n").replace("'", "").split(", ")) - {""}
     assert loaded <= set(allowed)
+
+
+@pytest.fixture
+def quick(tmp_path) -> Path:
+    """A study that takes a second but for its figures."""
+    study = tmp_path / "quick.toml"
+    study.write_text(
+        'preset = "paper"\n[study]\nparts = ["orbits"]\n[numerics]\ncell_order = 3\n'
+        "[sensitivity]\naspect_ratios = [3]\nshear_rates = [1]\nviscosities = [100]\n"
+    )
+    return study
+
+
+CLOSED = {"standard error": (2,), "standard output": (1,), "all three": (0, 1, 2)}
+
+
+@pytest.mark.parametrize("numbers", CLOSED.values(), ids=CLOSED)
+def test_a_daemon_starts_it_with_closed_streams(tmp_path, quick, numbers):
+    """What it computes is there, and no file of its own had the number of a standard stream."""
+    done = subprocess.run(
+        [sys.executable, "-m", "fibermelt", "run", quick, "--out", "out"],
+        cwd=tmp_path,
+        capture_output=True,
+        preexec_fn=lambda: [os.close(number) for number in numbers],
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert done.returncode == 0
+    assert "orbits" in (tmp_path / "out/summary.json").read_text()
+    page = (tmp_path / "out/report.html").read_text()
+    assert page.rstrip().endswith("</html>")
+
+
+def test_a_mistake_with_standard_error_closed_has_its_exit_code():
+    command = [sys.executable, "-m", "fibermelt", "validate", "nothing.toml"]
+    done = subprocess.run(
+        command, preexec_fn=lambda: os.close(2), stdout=subprocess.PIPE, check=False
+    )
+    assert (done.returncode, done.stdout) == (2, b"")
+
+
+def test_progress_that_cannot_be_written_costs_no_result(tmp_path, quick):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "fibermelt", "run", quick, "--out", "out"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=full,
+            check=False,
+            timeout=PATIENCE,
+        )
+    assert done.returncode == 0
+    assert (tmp_path / "out/summary.json").exists()
+
+
+def test_a_mistake_that_cannot_be_told_has_its_exit_code():
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "fibermelt", "validate", "nothing.toml"]
+        assert subprocess.run(command, stderr=full, check=False).returncode == 2

@@ -36,8 +36,9 @@ def swept(tmp_path, text=SMALL):
     """Return a study file and the folder that its sweep was run into, in this process."""
     study, out = fake_sweeps.study_file(tmp_path, text), tmp_path / "out"
     done = fibermelt("sweep", study, "--out", out, "--workers", 0, "--json")
-    assert (done.exit_code, done.stderr) == (0, "")
-    return study, out, json.loads(done.stdout)
+    summary = json.loads(done.stdout)
+    assert (done.exit_code, done.stderr) == (int(summary["done"] < summary["cases"]), "")
+    return study, out, summary
 
 
 def test_a_sweep_tells_what_became_of_its_cases(tmp_path):
@@ -54,13 +55,48 @@ def test_a_sweep_tells_what_became_of_its_cases(tmp_path):
     }
     assert told["wall_s"] == summary["wall_s"]
     went_on = fibermelt("resume", out, "--workers", 0, "--json")
-    assert (went_on.exit_code, went_on.stderr) == (0, "")
+    assert (went_on.exit_code, went_on.stderr) == (1, "")
     again = json.loads(went_on.stdout)
     assert (again["done"], again["failed"], again["reused_stages"]) == (3, 3, 1)
     words = fibermelt("status", out).stdout
     assert "3 of 6 done, 3 failed, 0 to do" in words
     assert "3 failed: flow.gap = 0.002 m: no steady surface" in words
     assert "3 of 6 done" in fibermelt("sweep", study, "--out", out, "--workers", 0).stdout
+
+
+GAPS = {"all": ("3 mm", 0), "some": ("2 mm, 3 mm", 1), "none": ("2 mm", 1)}
+"""Gaps for two fibers, of which 2 mm has no steady surface, and what the exit code is."""
+
+
+@pytest.mark.parametrize(("gaps", "code"), GAPS.values(), ids=GAPS)
+@pytest.mark.parametrize("how", [[], ["--json"]], ids=["words", "json"])
+def test_the_exit_code_says_whether_every_case_is_done(tmp_path, gaps, code, how):
+    out = tmp_path / "out"
+    over = ["--over", f"flow.gap={gaps}", "--over", "fiber.aspect_ratio=4, 6"]
+    begun = fibermelt("sweep", "paper", *over, "--out", out, "--workers", 0, *how)
+    told = [
+        fibermelt("status", out, *how),
+        fibermelt("resume", out, "--workers", 0, *how),
+        fibermelt("collect", out, *how),
+    ]
+    assert [done.exit_code for done in (begun, *told)] == [code] * 4
+    assert (out / "sweep.nc").exists()
+    assert (out / "report.html").exists()
+
+
+def test_the_exit_code_of_a_sweep_that_is_not_finished(tmp_path):
+    _, out, _ = swept(tmp_path, SMALL.replace('"2 mm", ', ""))
+    for batch in (out / "cases").glob("batch-*.npz"):
+        batch.unlink()
+    assert json.loads(fibermelt("status", out, "--json").stdout)["pending"] == 3
+    assert [fibermelt(name, out).exit_code for name in ("status", "collect")] == [1, 1]
+    assert fibermelt("resume", out, "--workers", 0).exit_code == 0
+    assert fibermelt("status", out).exit_code == 0
+
+
+@pytest.mark.parametrize("name", ["status", "resume", "collect"])
+def test_the_exit_code_where_there_is_no_sweep(tmp_path, name):
+    assert fibermelt(name, tmp_path / "nothing").exit_code == 2
 
 
 def test_progress_goes_to_standard_error(tmp_path):

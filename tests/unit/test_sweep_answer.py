@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from swept_cases import GAP, GRID, ONE_AT_A_TIME, VISCOSITY, made_up, sampled
+from swept_cases import GAP, GRID, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.report.sweep.shares import quantile_words
 from fibermelt.study.sweep.answer import answer_sweep
@@ -173,3 +173,31 @@ def test_weighed_cases_share_by_weight(tmp_path):
     _, second = answer_sweep(made_up(tmp_path, f'{SPREAD}weight = "{GAP}"', numbers))
     share = float(re.search(r"; weighed by gap, ([\d.]+) % lies at 0 %, the lowest", second)[1])
     assert share == pytest.approx(65.8, abs=100 / 20)
+
+
+SPEEDS = f"""
+"{GAP}" = ["2.5 mm", "3 mm", "4 mm"]
+"{SPEED}" = ["90 mm/s", "100 mm/s", "110 mm/s"]
+"""
+
+
+def test_what_cases_differ_in_besides_is_no_effect(tmp_path):
+    """Of three with an answer no two share gap or speed: each could be what moves it."""
+    numbers = {"inlet_pressure": ("Pa", lambda point: 1e8 * point[GAP] + 1e7 * point[SPEED])}
+    collected = made_up(tmp_path, SPEEDS, numbers, failed={1, 2, 3, 5, 6, 7})
+    first, second = answer_sweep(collected)
+    assert first.startswith("Inlet pressure: from 1.15 MPa (gap 2.5 mm, bed speed 90 mm/s) to ")
+    assert second == (
+        "What gap or bed speed alone would do cannot be told: no two cases that have an answer "
+        "differ in nothing but one of them."
+    )
+
+
+def test_an_effect_is_told_over_the_values_that_share_the_rest(tmp_path):
+    """Gaps of 2.5 and 3 mm at one speed, and 4 mm at another: the last is no part of the effect."""
+    numbers = {"inlet_pressure": ("Pa", lambda point: 1e8 * point[GAP] + 1e7 * point[SPEED])}
+    _, second = answer_sweep(made_up(tmp_path, SPEEDS, numbers, failed={1, 2, 4, 5, 6, 7}))
+    assert second == (
+        "With gap from 2.5 mm to 3 mm: 1.15 MPa to 1.2 MPa. What bed speed alone would do cannot "
+        "be told: no two cases that have an answer differ in nothing but that."
+    )

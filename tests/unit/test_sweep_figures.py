@@ -105,6 +105,33 @@ def test_failed_cases_do_not_pass_for_an_effect(tmp_path):
     np.testing.assert_allclose(found[0], 400e-6, rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("failed", "gap", "viscosity"),
+    [
+        # 400 and 800 Pa s by column, 2.5, 3 and 4 mm by row; the response is 1 x gap + viscosity
+        ({1, 2}, [np.nan, 803, 804], [404, 804]),  # two gaps at each viscosity
+        ({1, 3, 5}, [402.5, 403, 404], [np.nan] * 2),  # one viscosity is missing
+        ({1, 2, 4}, [np.nan, 803, 804], [np.nan] * 2),  # 2.5 at 400, 3 and 4 at 800
+        ({1, 2, 4, 5}, [np.nan] * 3, [np.nan] * 2),  # 2.5 at 400, 3 at 800
+    ],
+)
+def test_values_are_compared_where_all_else_is_the_same(tmp_path, failed, gap, viscosity):
+    numbers = {"inlet_pressure": ("Pa", lambda at: 1e6 * (1e3 * at[GAP] + at[VISCOSITY]))}
+    table = sweep_table(made_up(tmp_path, GRID, numbers, failed=failed))
+    for axis, expected in zip(table.axes, (gap, viscosity), strict=True):
+        mean = effect(table, table.responses[0], axis)[1][0]
+        np.testing.assert_allclose(mean, expected, rtol=1e-12)
+
+
+def test_a_figure_says_where_no_effect_can_be_told(tmp_path):
+    numbers = {"inlet_pressure": ("Pa", lambda at: at[GAP] + at[VISCOSITY])}
+    collected = made_up(tmp_path, GRID, numbers, failed={1, 2, 4, 5})
+    figure = sweep_effects(collected)
+    told = [text.get_text() for chart in figure.axes for text in chart.texts]
+    assert told == ["cannot be told"] * 2
+    assert "by what cannot be told" in effects_words(collected).alt
+
+
 def test_one_at_a_time_each_parameter_has_its_own_cases_and_the_study(tmp_path):
     table = sweep_table(made_up(tmp_path, ONE_AT_A_TIME, NUMBERS))
     assert table.groups == ((0, 1, 2, 3), (0, 4, 5))

@@ -1,8 +1,9 @@
 """The command line: thin, and a person's mistake never ends in a traceback.
 
-Exit codes: 0 done; 1 a check of `fibermelt verify` fails; 2 what the user can cause or cure, with
-one line for each fault on standard error; 130 interrupted; 143 and 129 a sweep that was told to end
-(SIGTERM), and one whose terminal was closed (SIGHUP).
+Exit codes: 0 all done; 1 it ran, but not all came out: a run whose flow has no answer, a sweep with
+a case that has none or is not finished, a check of `fibermelt verify` that fails; 2 what it was
+given is of no use, with one line for each fault on standard error; 130 interrupted; 143 and 129 a
+sweep that was told to end (SIGTERM), and one whose terminal was closed (SIGHUP).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.plans import plan
 from fibermelt.cli.reports import report
+from fibermelt.cli.signals import stand_in_for_closed
 from fibermelt.cli.studies import defaults, run, validate
 from fibermelt.cli.sweeps import clean, collect, resume, status, sweep
 from fibermelt.cli.versions import options, version
@@ -40,4 +42,5 @@ for command in COMMANDS:
 
 def main() -> None:
     """Run the command line, once it is loaded: `fibermelt.__main__` begins before that."""
+    stand_in_for_closed()
     app()

@@ -7,12 +7,9 @@ from typing import Annotated
 
 import typer
 
-from fibermelt.cli.common import INTERRUPTED, JsonOption, columns, say, told
+from fibermelt.cli.common import INCOMPLETE, INTERRUPTED, JsonOption, columns, say, told
 
 __all__ = ["verify"]
-
-FAILED = 1
-"""Exit code when a check fails: no mistake of the user's, hence not theirs."""
 
 
 def verify(
@@ -46,4 +43,4 @@ def verify(
         else:
             say(wrapped(in_words(checks).split("\n"), columns()))
         if not all(check.passed for check in checks):
-            raise typer.Exit(FAILED)
+            raise typer.Exit(INCOMPLETE)

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import errno
-import os
 import shutil
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fibermelt.errors import ConfigError, FibermeltError, StoreError, legible
+from fibermelt.errors import (
+    ConfigError,
+    ConvergenceError,
+    FibermeltError,
+    MeshError,
+    StoreError,
+    legible,
+)
+from fibermelt.study.progress import silence
 
 __all__ = [
+    "INCOMPLETE",
     "INTERRUPTED",
     "ColdOption",
     "JsonOption",
@@ -25,6 +33,7 @@ __all__ = [
     "StudyArgument",
     "WorkersOption",
     "columns",
+    "complain",
     "given_folder",
     "named_folder",
     "results_folder",
@@ -32,8 +41,11 @@ __all__ = [
     "told",
 ]
 
+INCOMPLETE = 1
+"""Exit code of what ran, but not all came out: a case or solve without answer, a failed check."""
+
 MISTAKE = 2
-"""Exit code of a `FibermeltError`: a study, a folder or a solve that cannot be as it is."""
+"""Exit code of any other `FibermeltError`: a study or a folder that cannot be as it is."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
@@ -122,8 +134,17 @@ def told() -> Iterator[None]:
         # Only a study has several faults at once; a path may hold line breaks of its own.
         faults = str(error).split("\n") if isinstance(error, ConfigError) else [str(error)]
         for fault in faults:
-            typer.echo(f"error: {legible(fault, len(fault))}", err=True)
-        raise typer.Exit(MISTAKE) from None
+            complain(f"error: {legible(fault, len(fault))}")
+        ran = isinstance(error, ConvergenceError | MeshError)
+        raise typer.Exit(INCOMPLETE if ran else MISTAKE) from None
+
+
+def complain(text: str) -> None:
+    """Print on standard error, as far as that can be: the exit code is told in any case."""
+    try:
+        typer.echo(text, err=True)
+    except OSError:
+        silence(sys.stderr)
 
 
 def columns() -> int:
@@ -140,9 +161,7 @@ def say(text: str, *, newline: bool = True) -> None:
     except OSError as error:
         if error.errno == errno.EPIPE:
             raise
-        # What is still buffered would fail once more, with a traceback, as the process ends.
-        with suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence(sys.stdout)
         reason = (error.strerror or str(error)).lower()
         msg = f"standard output: cannot be written: {reason}"
         raise StoreError(msg) from error

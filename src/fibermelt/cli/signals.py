@@ -1,17 +1,41 @@
-"""Signals to end: batch systems, `kill` and terminals send them where a person presses Ctrl-C."""
+"""What surrounds a command: signals to end it, and streams that are not there.
+
+Batch systems, `kill` and terminals send signals where a person presses Ctrl-C; daemons start what
+they start with its standard streams closed.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["Ended", "ended_in_order"]
+__all__ = ["Ended", "ended_in_order", "stand_in_for_closed"]
 
 OUTPUTS = (1, 2)
 """Standard output and standard error, as the operating system numbers them."""
+
+
+STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
+"""Standard streams in the order of the operating system's numbers, and how they are opened."""
+
+
+def stand_in_for_closed() -> None:
+    """Have standard streams that are closed lead nowhere, as the command line writes to them.
+
+    Their numbers are taken as well: the next file that is opened would have one, and what a library
+    or a process that is started prints would go into it.
+    """
+    for number, (name, mode) in enumerate(STREAMS):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free: this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115
 
 
 class Ended(KeyboardInterrupt):

@@ -17,6 +17,7 @@ from fibermelt.cli.common import (
     SetOption,
     StudyArgument,
     columns,
+    complain,
     results_folder,
     say,
     told,
@@ -62,10 +63,9 @@ def run(
             raise ConfigError(msg)
         folder = results_folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
-            typer.echo(
+            complain(
                 f"note: {legible_path(folder)} shows a run of other parameters, which this one "
-                "replaces; name another folder with --out to keep both",
-                err=True,
+                "replaces; name another folder with --out to keep both"
             )
         try:
             with observing() as observer:
@@ -79,10 +79,7 @@ def run(
                     observer=observer,
                 )
         except KeyboardInterrupt:
-            typer.echo(
-                "interrupted: finished stages are kept, the same command goes on from them",
-                err=True,
-            )
+            complain("interrupted: finished stages are kept, the same command goes on from them")
             raise typer.Exit(INTERRUPTED) from None
         words = in_words(summary, CHAIN, resolved, folder, columns())
         say(json.dumps(summary, indent=1) if as_json else words)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fibermelt.cli.common import (
+    INCOMPLETE,
     INTERRUPTED,
     ColdOption,
     JsonOption,
@@ -21,6 +22,7 @@ from fibermelt.cli.common import (
     StudyArgument,
     WorkersOption,
     columns,
+    complain,
     given_folder,
     results_folder,
     say,
@@ -83,7 +85,7 @@ def _watching(*, as_json: bool) -> Iterator[Observer]:
         yield notes
     finally:
         for line in notes.lines:
-            typer.echo(f"note: {line}", err=True)
+            complain(f"note: {line}")
 
 
 def sweep(
@@ -99,7 +101,8 @@ def sweep(
 ) -> None:
     """Run every case of a study with a [sweep].
 
-    What is stored already is reused, and a sweep that was stopped goes on.
+    What is stored already is reused, and a sweep that was stopped goes on. The exit code is 0 if
+    every case is done, 1 if some or all have no answer, 2 if the study or the folder is of no use.
     """
 
     def read() -> tuple[Sweep, Study, Path]:
@@ -121,7 +124,8 @@ def resume(
 ) -> None:
     """Go on with the sweep of a results folder.
 
-    What is finished is not computed again; the study's file is not needed.
+    What is finished is not computed again; the study's file is not needed. Exit codes are those of
+    fibermelt sweep.
     """
 
     def read() -> tuple[Sweep, Study, Path]:
@@ -161,7 +165,7 @@ def _go(
         except KeyboardInterrupt as ended:
             kept = f"finished cases are kept, fibermelt resume {_quoted(folder)} goes on"
             is_begun = (folder / "sweep.json").exists()
-            typer.echo(f"interrupted: {kept if is_begun else 'nothing was begun'}", err=True)
+            complain(f"interrupted: {kept if is_begun else 'nothing was begun'}")
             raise typer.Exit(ended.code if isinstance(ended, Ended) else INTERRUPTED) from None
         # Told before the report is made: a report that cannot be written costs no numbers.
         say(json.dumps(summary, indent=1) if as_json else _in_words(summary, folder))
@@ -171,6 +175,13 @@ def _go(
         if not as_json:
             say(f"report          {_shown(path)}")
             _tell(answer)
+        _end_by(summary)
+
+
+def _end_by(found: Mapping[str, Any]) -> None:
+    """End a command on a sweep of which not every case is done with an exit code that says so."""
+    if found["done"] < found["cases"]:
+        raise typer.Exit(INCOMPLETE)
 
 
 def _tell(lines: Iterable[str]) -> None:
@@ -193,7 +204,10 @@ def _in_words(summary: dict[str, Any], folder: Path) -> str:
 
 
 def status(directory: Folder, as_json: JsonOption = False) -> None:
-    """Tell how far a sweep is, and why cases failed."""
+    """Tell how far a sweep is, and why cases failed.
+
+    The exit code is 0 if every case is done, 1 if some have no answer or are to do.
+    """
     with told():
         from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
 
@@ -201,6 +215,7 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
         found = sweep_status(folder)
         if as_json:
             say(json.dumps(found, indent=1))
+            _end_by(found)
             return
         lines = [
             f"cases           {found['done']} of {found['cases']} done, {found['failed']} failed, "
@@ -217,6 +232,7 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
             say(f"damaged: {path}")
         if found["pending"] or found["damaged"]:
             say(f"go on with fibermelt resume {_quoted(folder)}")
+        _end_by(found)
 
 
 def _started(cost: Mapping[str, Any]) -> str:
@@ -275,7 +291,8 @@ def collect(
 ) -> None:
     """Collect the numbers of a sweep in one file.
 
-    All numbers of all cases, as one dataset over what varies.
+    All numbers of all cases, as one dataset over what varies. The exit code is 0 if every case is
+    done, 1 if the file was written but has cases without numbers.
     """
     with told():
         if to is not None and not to.strip():
@@ -302,6 +319,7 @@ def collect(
         }
         if as_json:
             say(json.dumps(summary, indent=1))
+            _end_by(summary)
             return
         over = ", ".join(map(str, dataset.sizes))
         _tell(
@@ -312,6 +330,7 @@ def collect(
             ]
         )
         say(f"file            {_shown(path)}")
+        _end_by(summary)
 
 
 def _quoted(path: Path) -> str:

@@ -32,6 +32,9 @@ Array = NDArray[np.float64]
 CURVE_NUMERICS = CellNumerics(order=6, angular_spacing=1.0, radial_spacing=1.0, estimate=False)
 """Cells of 50 ms whose ``B`` is good to `CELL_ERROR`: the spin converges long before pressures."""
 
+CURVE_TOLERANCE = 1e-6
+"""Largest error of ``B`` on a curve: angles of the paper's Fig. 14c are then good to 1e-5 rad."""
+
 CELL_ERROR = 1e-7
 """Twice the largest error of ``B`` in those cells, against order 9, over `KNOWN_RATIOS` and M from
 `KNOWN_DOMAIN` to 8; elsewhere the narrowest cell's own estimate takes its place if larger."""
@@ -58,7 +61,7 @@ PAPER_DOMAIN_END = 5.3
 def stall_curve(
     fiber_aspect_ratio: float,
     smallest_domain: float = SMALLEST_DOMAIN,
-    tolerance: float = 1e-6,
+    tolerance: float = CURVE_TOLERANCE,
     numerics: CellNumerics = CURVE_NUMERICS,
 ) -> StallCurve:
     """Build the curve of a fiber from twelve cells: 0.7 s at ``r_e = 6``.

@@ -21,6 +21,7 @@ from fibermelt.flow.problem import Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
 from fibermelt.flow.search import Progress, SurfaceSearch
 from fibermelt.flow.start import StartShape, surfaces_from
+from fibermelt.threads import exclusive
 
 __all__ = ["FlowError", "FlowSolution", "solve_deposition"]
 
@@ -140,6 +141,7 @@ def _inlet_pressure(flow: FreeSurfaceFlow) -> float:
     return float(total / ng.Integrate(ng.CF(1) * inlet, flow.mesh))
 
 
+@exclusive
 def solve_deposition(
     problem: Deposition,
     numerics: FlowNumerics | None = None,

@@ -19,6 +19,7 @@ from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow
 from fibermelt.flow.spacing import graded_spacing
 from fibermelt.melt import ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
+from fibermelt.threads import exclusive
 
 __all__ = ["DieSwell", "solve_die_swell", "swell_problem"]
 
@@ -78,6 +79,7 @@ def _mesh(lip_edge: float, bulk_edge: float, growth: float) -> ng.Mesh:
     return ng.Mesh(geometry.GenerateMesh(maxh=bulk_edge, grading=0.3))
 
 
+@exclusive
 def swell_problem(
     lip_edge: float,
     bulk_edge: float = 0.35,
@@ -107,6 +109,7 @@ def swell_problem(
     return _mesh(lip_edge, bulk_edge, growth), boundaries
 
 
+@exclusive
 def solve_die_swell(
     lip_edge: float,
     order: int = 3,

@@ -28,6 +28,7 @@ from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
 from fibermelt.melt import Newtonian, ViscosityLaw
+from fibermelt.threads import exclusive
 
 __all__ = ["Boundaries", "FreeSurfaceFlow", "Step"]
 
@@ -78,6 +79,7 @@ class FreeSurfaceFlow:
     that thins is then brought to equilibrium with the mesh held, before the next step.
     """
 
+    @exclusive
     def __init__(
         self,
         mesh: ng.Mesh,
@@ -180,6 +182,7 @@ class FreeSurfaceFlow:
         points = self.mesh.MapToAllElements(rule, ng.VOL)
         return float(ng.Det(ng.Id(2) + ng.Grad(displacement))(points).min())
 
+    @exclusive
     def step(self, rate: float = 0.0, reuse: bool = False) -> Step:
         """Take one step of flow and mesh together, shortened so that no element tangles.
 
@@ -224,6 +227,7 @@ class FreeSurfaceFlow:
             self._equilibration.settle()
         return Step(*met, size, fraction, jacobian)
 
+    @exclusive
     def viscosity_near(self, points: Array) -> Array:
         """Return the viscosity at ``points`` (n, 2), in scaled units, from the mesh's vertices."""
         rule = ng.IntegrationRule([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], [0.0] * 3)
@@ -234,6 +238,7 @@ class FreeSurfaceFlow:
         logs = np.log(sampled[nearest, 2])
         return np.asarray(np.exp((weight * logs).sum(axis=1) / weight.sum(axis=1)))
 
+    @exclusive
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:
         """Return the boundary ``name`` as it lies now, a polyline (n, 2) that begins at ``start``.
 
@@ -255,6 +260,7 @@ class FreeSurfaceFlow:
             left[which] = False
         return np.vstack([*line, end[None]])
 
+    @exclusive
     def kinematic_residual(self) -> float:
         """Return the root mean square of ``u.n`` over the free surfaces, in scaled units."""
         free = ng.ds(self.boundaries.free, bonus_intorder=2)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.study.bead.fiber import cell_stage, motion_stage
+from fibermelt.study.bead.fiber import cell_estimates, cell_stage, motion_stage
 from fibermelt.study.bead.flow import (
     FLOW_NUMERICS,
     flow_but_for_scale,
+    flow_estimates,
     flow_from,
     flow_stage,
+    streamline_estimates,
     streamlines_stage,
     write_fields,
 )
@@ -19,7 +21,13 @@ from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_part
 from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
 from fibermelt.study.orientation.interaction import interaction_stage
-from fibermelt.study.orientation.stages import content_stage, orientation_stage, stall_stage
+from fibermelt.study.orientation.stages import (
+    content_stage,
+    orientation_estimates,
+    orientation_stage,
+    stall_estimates,
+    stall_stage,
+)
 from fibermelt.study.orientation.summary import (
     interaction_in_words,
     orientation_in_words,
@@ -101,26 +109,34 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            3,
+            4,
             ("flow", "melt", *FLOW_NUMERICS),
             (),
             flow_stage,
             compute_from=flow_from,
             but_for_scale=flow_but_for_scale,
+            estimates=flow_estimates,
         ),
         Stage(
-            "streamlines", 1, _STREAMLINE_PARAMETERS, ("flow",), streamlines_stage, told_with="flow"
+            "streamlines",
+            1,
+            _STREAMLINE_PARAMETERS,
+            ("flow",),
+            streamlines_stage,
+            told_with="flow",
+            estimates=streamline_estimates,
         ),
-        Stage("stall", 1, ("fiber.aspect_ratio",), (), stall_stage),
+        Stage("stall", 2, ("fiber.aspect_ratio",), (), stall_stage, estimates=stall_estimates),
         Stage("content", 1, _CONTENT_PARAMETERS, ("stall",), content_stage),
         Stage(
             "cell",
-            1,
+            2,
             _CELL_PARAMETERS,
             (),
             cell_stage,
             inputs_if=_from_content,
             light_if=_closed_form,
+            estimates=cell_estimates,
         ),
         Stage(
             "motion",
@@ -131,7 +147,14 @@ CHAIN = Chain(
             inputs_if=_from_content,
             light_if=_always,
         ),
-        Stage("orientation", 3, _ORIENTATION_PARAMETERS, ("streamlines",), orientation_stage),
+        Stage(
+            "orientation",
+            3,
+            _ORIENTATION_PARAMETERS,
+            ("streamlines",),
+            orientation_stage,
+            estimates=orientation_estimates,
+        ),
         Stage(
             "voids",
             1,
@@ -148,7 +171,7 @@ CHAIN = Chain(
             ("stall",),
             interaction_stage,
         ),
-        Stage("orbits", 1, ORBITS_PARAMETERS, (), orbits_stage),
+        Stage("orbits", 2, ORBITS_PARAMETERS, (), orbits_stage),
         Stage(
             "dimensions",
             1,

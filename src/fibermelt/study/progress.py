@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Protocol, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.status import Status
 
-__all__ = ["Observer", "PlainProgress", "Silent", "TerminalProgress", "duration", "observing"]
+__all__ = [
+    "Observer",
+    "PlainProgress",
+    "Silent",
+    "TerminalProgress",
+    "duration",
+    "observing",
+    "silence",
+]
 
 
 def duration(seconds: float) -> str:
@@ -27,6 +36,15 @@ def duration(seconds: float) -> str:
 LOG_PAUSE, LOG_SHARE = 10.0, 0.02
 """Least time [s] between two lines of a log that tell how far the whole is, and as a share of the
 time so far: a day's log has then some hundreds of them."""
+
+
+def silence(stream: TextIO) -> None:
+    """Have all that is written to a stream lead nowhere, also what it holds and could not write.
+
+    Else that would fail once more, with a traceback or another exit code, as the process ends.
+    """
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class Observer(Protocol):
@@ -58,6 +76,8 @@ class Silent:
 class PlainProgress:
     """One short line for each step, and now and then one of the whole: for logs and pipes.
 
+    What cannot be written, as behind a full disk, is not told: the run goes on.
+
     Parameters
     ----------
     stream : text stream
@@ -82,8 +102,11 @@ class PlainProgress:
 
     def step(self, stage: str, line: str) -> None:
         """Write the line."""
-        self._stream.write(f"{stage}: {line}\n")
-        self._stream.flush()
+        try:
+            self._stream.write(f"{stage}: {line}\n")
+            self._stream.flush()
+        except OSError:
+            silence(self._stream)
 
     done = step
 

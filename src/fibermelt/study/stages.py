@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.errors import ConvergenceError
 from fibermelt.study.files import canonical, digest
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Compute",
     "ComputeFrom",
+    "Estimate",
     "Inputs",
     "Neighbour",
     "Parameters",
@@ -95,6 +97,33 @@ ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], tuple["xr.Dataset",
 leads nowhere, they are those from cold."""
 
 
+@dataclass(frozen=True)
+class Estimate:
+    """What a stage says of its own error, and how large that may be.
+
+    Parameters
+    ----------
+    name : str
+        The variable that has it, or what follows from it.
+    value : float
+        Its largest value.
+    bound : float
+        Beyond it, or where the value is no number, the stage has no answer.
+    cure : str
+        What to change then.
+    """
+
+    name: str
+    value: float
+    bound: float
+    cure: str
+
+
+def _no_estimates(parameters: Parameters, data: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return no estimate: the stage is exact, or raises itself where it is not."""
+    return ()
+
+
 def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return no stage: most have the same inputs in every study."""
     return ()
@@ -134,6 +163,9 @@ class Stage:
     but_for_scale : callable, optional
         From its parameters to what decides its result but for a scale: to neighbours that agree
         in it ``compute_from`` brings a result by scaling. All parameters by default.
+    estimates : callable, optional
+        From its parameters and its data to the errors that it estimates: data with one beyond its
+        bound are no answer, and are neither used nor stored.
     """
 
     name: str
@@ -146,6 +178,7 @@ class Stage:
     light_if: Callable[[Mapping[str, Value]], bool] = _never
     compute_from: ComputeFrom | None = None
     but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
+    estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] = _no_estimates
 
     @property
     def heading(self) -> str:
@@ -158,11 +191,24 @@ class Stage:
         """Compute it, from a neighbour's result where there is one and it can begin with it.
 
         Return its data and the key of the neighbour that they came from; empty: from cold.
+
+        Raises
+        ------
+        FibermeltError
+            If it has no answer, also where what it found is not good by its own estimate.
         """
         if self.compute_from is None or start is None:
-            return self.compute(parameters, inputs, say), ""
-        data, is_from_it = self.compute_from(parameters, inputs, say, start)
-        return data, start.key if is_from_it else ""
+            data, is_from_it = self.compute(parameters, inputs, say), False
+        else:
+            data, is_from_it = self.compute_from(parameters, inputs, say, start)
+        for estimate in self.estimates(parameters, data):
+            if not estimate.value <= estimate.bound:
+                msg = (
+                    f"{self.name}: {estimate.name} = {estimate.value:.2g} by its own estimate, "
+                    f"bound {estimate.bound:.2g}: no answer; {estimate.cure}"
+                )
+                raise ConvergenceError(msg)
+        return data, start.key if start is not None and is_from_it else ""
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""

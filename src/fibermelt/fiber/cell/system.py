@@ -17,6 +17,7 @@ from fibermelt.fiber.cell.stokes import COMPRESSIBILITY, stokes
 from fibermelt.fiber.cell_data import CellNumerics, CellSystem
 from fibermelt.fiber.cell_surface import surface_values
 from fibermelt.fiber.shape import Ellipse
+from fibermelt.threads import exclusive
 
 __all__ = ["build_system"]
 
@@ -24,6 +25,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
+@exclusive
 def build_system(
     fiber: Ellipse, domain_size: float, numerics: CellNumerics | None = None
 ) -> CellSystem:
@@ -84,6 +86,7 @@ def _solver(space: Any, form: Any, free: Index) -> Callable[[Array], Array]:
     inverse = form.mat.Inverse(mask, inverse="sparsecholesky")
     load, answer = form.mat.CreateColVector(), form.mat.CreateColVector()
 
+    @exclusive
     def solve(values: Array) -> Array:
         load.FV().NumPy()[free] = values
         answer.data = inverse * load

@@ -134,6 +134,9 @@ def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> 
         )
     else:
         levels, (mean, least, most) = effect(table, response, axis)
+        if not np.isfinite(mean).any():
+            chart.text(0.5, 0.5, "cannot be told", transform=chart.transAxes, **UNTOLD)
+            chart.set_xlim(levels[0], levels[-1])
         if not table.groups and len(table.axes) > 1:
             chart.fill_between(levels, least, most, color=BAND, linewidth=0)
         chart.plot(levels, mean, color=BLUE, marker="o", markersize=3)
@@ -148,6 +151,9 @@ def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> 
         chart.locator_params(axis="x", nbins=4)
         chart.margins(x=0.08)
 
+
+UNTOLD: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 6.5, "color": INK}
+"""How a chart says that no two of its cases can be compared."""
 
 OWN: dict[str, Any] = {"markersize": 4, "color": VERMILION, "markeredgecolor": INK}
 """How the study itself is marked."""
@@ -180,8 +186,9 @@ def effects_words(collected: xr.Dataset, first: int = 0) -> Words:
     elif len(table.axes) > 1:
         how = (
             "Lines: the mean over all other parameters; grey: from the least to the largest "
-            "response over them. Where cases failed, the mean is over those combinations of the "
-            "others for which none did, as far as there are any."
+            "response over them. Where cases have no answer, the mean is over those combinations "
+            "of the others that the most values share, and of these alone; where no two cases "
+            "differ in a parameter alone, its effect cannot be told."
         )
     else:
         how = "A point for each case."
@@ -205,12 +212,15 @@ def _strongest(table: SweepTable, response: Response, axes: tuple[Varied, ...]) 
     told = f"{response.title}: {number(float(there.min()), 3)} to {number(float(there.max()), 3)}"
     if table.is_sampled or len(axes) < 2:
         return f"{told}{unit}."
-    spans = []
+    spans = {}
     for axis in axes:
         means = effect(table, response, axis)[1][0]
         means = means[np.isfinite(means)]
-        spans.append(float(np.ptp(means)) if means.size else 0.0)
-    return f"{told}{unit}, most by {axes[int(np.argmax(spans))].title}."
+        if means.size > 1:
+            spans[axis.title] = float(np.ptp(means))
+    if not spans:
+        return f"{told}{unit}; by what cannot be told."
+    return f"{told}{unit}, most by {max(spans, key=lambda title: spans[title])}."
 
 
 def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.stages import Inputs, Neighbour, Parameters, Say
+from fibermelt.study.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 __all__ = [
     "FLOW_NUMERICS",
     "flow_but_for_scale",
+    "flow_estimates",
     "flow_from",
     "flow_stage",
     "start_from",
+    "streamline_estimates",
     "streamlines_stage",
     "write_fields",
 ]
@@ -63,6 +65,28 @@ FIELDS = (
     "viscosity",
     "gradient_error",
 )
+
+HEEL_BOUND = 0.05
+"""Largest estimated error of the heel [widths]: where it lies the surface is steep, so it goes with
+the whole line, and the lip's edge, more than the contact point does (default mesh 5e-4, the
+coarsest of the tests 0.017)."""
+
+PRESSURE_BOUND = 0.05
+"""Largest estimated error of the inlet pressure over that pressure (2e-4; 7e-3)."""
+
+FLUX_BOUND = 0.01
+"""Largest error of the flux at the outlet, and largest mean ``u.n`` over the free surfaces in bed
+speeds: a hundredth of what passes (3e-10 and 2e-5; 1e-6 and 1e-3)."""
+
+GRADIENT_BOUND = 0.25
+"""Largest estimated error of the gradient, over the shear rate, both at the median of the nodes: at
+the corners and the lips neither has a bound (2e-3; 0.03)."""
+
+DRIFT_BOUND = 0.01
+"""Largest drift of the stream function along a streamline, over the flux: a fifth of what flows
+between two of the paper's 22 (1e-5; 3e-3)."""
+
+FINER = "take shorter edges in numerics, such as lip_edge and contact_edge, or a higher flow_order"
 
 
 def _problem(parameters: Parameters) -> Deposition:
@@ -103,6 +127,29 @@ def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowS
 
     numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
     return solve_deposition(_problem(parameters), numerics, progress=say, start=start)
+
+
+def flow_estimates(parameters: Parameters, flow: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of a flow, each with its bound."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.flow.deposition import LARGEST_ERROR  # noqa: PLC0415
+
+    width = parameters["flow.capillary_width"]
+    known = {name: float(flow[name]) for name in (*SCALARS, *(f"{name}_error" for name in ERRORS))}
+    gradient_error = float(np.median(flow["node_gradient_error"]))
+    shear_rate = float(np.median(_field(flow).shear_rate))
+    bounds = {
+        "contact_point_error": LARGEST_ERROR * width,
+        "heel_error": HEEL_BOUND * width,
+        "inlet_pressure_error": PRESSURE_BOUND * abs(known["inlet_pressure"]),
+        "mass_imbalance": FLUX_BOUND,
+        "kinematic_residual": FLUX_BOUND,
+    }
+    return (
+        *(Estimate(name, known[name], bound, FINER) for name, bound in bounds.items()),
+        Estimate("node_gradient_error", gradient_error, GRADIENT_BOUND * shear_rate, FINER),
+    )
 
 
 def flow_from(
@@ -228,6 +275,26 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "zone_time": stacked("zone_time"),
             "middle_time": stacked("middle_time"),
         }
+    )
+
+
+def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of streamlines, each with its bound.
+
+    The gradient's is that of the lines which pass no singular corner.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    regular = lines["near_singularity"].to_numpy() == 0
+    error, rate = (
+        np.median(lines[name].to_numpy()[regular], axis=-1)
+        for name in ("gradient_error", "shear_rate")
+    )
+    share = float(np.max(error / rate, initial=0.0))
+    drift = float(lines["stream_function_drift"].max())
+    return (
+        Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, FINER),
+        Estimate("stream_function_drift", drift, DRIFT_BOUND, FINER),
     )
 
 

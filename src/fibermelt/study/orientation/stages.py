@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.stages import Inputs, Parameters, Say
+from fibermelt.study.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
 if TYPE_CHECKING:
@@ -25,9 +25,11 @@ __all__ = [
     "content_stage",
     "folgar_tucker",
     "interaction_coefficient",
+    "orientation_estimates",
     "orientation_stage",
     "preferred_angle",
     "rotary_diffusivity",
+    "stall_estimates",
     "stall_stage",
     "stored_curve",
 ]
@@ -35,6 +37,13 @@ __all__ = [
 
 DISTRIBUTION = "exact-pdf"
 """What stands in the place of a closure for the distribution itself, which needs none."""
+
+TENSOR_BOUND = 1e-3
+"""Largest estimated error of a component of a tensor, by a closure or of the distribution itself: a
+tenth of what a good closure is off, which the one is held against the other for. The integration
+leaves 1e-7 and 1e-5."""
+
+WAY_OUT = "take more streamlines.points, or a larger interaction.coefficient"
 
 
 def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -52,6 +61,15 @@ def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             "largest_stalling_domain": curve.largest_stalling_domain,
         }
     )
+
+
+def stall_estimates(parameters: Parameters, stall: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the error of the stall angle's curve with its bound, that of `stall_curve`."""
+    from fibermelt.fiber.stall import CURVE_TOLERANCE  # noqa: PLC0415  lazy: see the module
+
+    error = float(stall["stall_shape_factor_error"])
+    cure = "take another fiber.aspect_ratio"
+    return (Estimate("stall_shape_factor_error", error, CURVE_TOLERANCE, cure),)
 
 
 def stored_curve(stall: xr.Dataset) -> StallCurve:
@@ -181,6 +199,14 @@ def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "closure_exact_error": exact_error,
             "closure_error": difference.max(axis=(-2, -1)),
         }
+    )
+
+
+def orientation_estimates(parameters: Parameters, found: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of orientation tensors, each with its bound."""
+    return tuple(
+        Estimate(name, float(found[name].max()), TENSOR_BOUND, WAY_OUT)
+        for name in ("orientation_error", "closure_exact_error")
     )
 
 

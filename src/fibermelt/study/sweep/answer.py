@@ -84,7 +84,7 @@ def _effects(table: SweepTable, lead: Response) -> str:
     """Return how far the response goes with each parameter, the strongest first."""
     import numpy as np  # noqa: PLC0415  lazy: see above
 
-    found = []
+    found, untold = [], []
     for axis in table.axes:
         levels, (mean, _, _) = effect(table, lead, axis)
         there = np.isfinite(mean)
@@ -94,14 +94,27 @@ def _effects(table: SweepTable, lead: Response) -> str:
             over = f"{axis.written(levels[first])} to {axis.written(levels[last])}"
             told = f"{axis.title} from {over}: {_number(lead, ends[0])} to {_number(lead, ends[1])}"
             found.append((float(np.ptp(mean[there])), told))
+        elif len(levels) > 1:
+            untold.append(axis.title)
+    no_effect = (
+        f"What {_listed(untold)} alone would do cannot be told: no two cases that have an answer "
+        f"differ in nothing but {'that' if len(untold) == 1 else 'one of them'}."
+        if untold
+        else ""
+    )
     if not found or (len(found) == 1 and _is_told(table, lead)):
-        return ""
+        return no_effect
     found.sort(key=lambda one: -one[0])
     told = "; ".join(told for _, told in found[:TOLD])
     more = f"; {len(found) - TOLD} more move it less" if len(found) > TOLD else ""
     mean = "mean over the others, " if len(table.axes) > 1 and not table.groups else ""
     order = f"What moves it, {mean}the strongest first: " if len(found) > 1 else "With "
-    return f"{order}{told}{more}."
+    return f"{order}{told}{more}. {no_effect}".rstrip()
+
+
+def _listed(names: list[str]) -> str:
+    """Return names as a sentence has them."""
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _is_told(table: SweepTable, lead: Response) -> bool:

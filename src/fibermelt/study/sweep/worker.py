@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import DamagedError, FibermeltError, StoreError
@@ -49,13 +50,13 @@ class _NoAnswer(Exception):  # noqa: N818  not an error of anybody: it carries o
 
 
 def fulfil(task: Task) -> list[Outcome]:
-    """Do a task and return what became of each part of it."""
+    """Do a task and return what became of each part of it; other threads wait for their turn."""
     from threadpoolctl import threadpool_limits  # noqa: PLC0415  lazy: planning needs none of it
 
     # Read when the solver is loaded, which is later than this.
     os.environ.setdefault("NGS_NUM_THREADS", "1")
     try:
-        with threadpool_limits(limits=1):
+        with _ONE_TASK, threadpool_limits(limits=1):
             worker = _worker(task.folder)
             worker.starts = task.starts
             if task.stage:
@@ -65,6 +66,10 @@ def fulfil(task: Task) -> list[Outcome]:
         keys = [case.keys[task.stage] if task.stage else case.result for case in task.cases]
         return [Outcome(key, "storage", note=str(error)) for key in keys]
 
+
+_ONE_TASK = Lock()
+"""Held while a task is done: a worker of dask has as many threads as it was given, and what this
+process holds, and the threads of its BLAS, are for one task."""
 
 _WORKERS: dict[str, _Worker] = {}
 """What this process holds of the folder that it works for: one at a time."""
