@@ -3,12 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from drawn_bead import AREA, made_up
+from drawn_bead import AREA, made_up, rescaled
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.report.carpet import weave
+from fibermelt.report.carpet import Carpet, weave
 from fibermelt.report.drawing import curves
 from fibermelt.report.lines import at_time, features, initial_angles, rest
 from fibermelt.report.scene import SIDES, Scene, Window, _lattice, by_area, inside, read_scene
@@ -82,21 +82,64 @@ def test_straight_edges_are_two_points_and_bent_ones_all() -> None:
     assert len(curves(points, np.array([[0, 3, 2]]), 0.05).vertices) == 3
 
 
-def test_strips_cover_what_lies_between_the_lines_and_reproduce_values(
+def _painted(carpet: Carpet) -> float:
+    triangles = carpet.triangles
+    corners = np.stack([triangles.x, triangles.y], -1)[triangles.triangles]
+    (ax, ay), (bx, by) = np.diff(corners, axis=1).transpose(1, 2, 0)
+    return float(0.5 * np.abs(ax * by - ay * bx).sum())
+
+
+def _between(results: xr.Dataset) -> float:
+    """Return the area between the first and the last line [mm2]."""
+    lines = [1e3 * np.stack([results["x"][k], results["y"][k]], -1) for k in (0, -1)]
+    return abs(_area(np.vstack([lines[0], lines[1][::-1]])))
+
+
+def test_carpet_covers_what_lies_between_the_lines_and_reproduces_values(
     results: xr.Dataset,
 ) -> None:
     carpet = weave(results)
     assert carpet is not None
-    triangles = carpet.triangles
-    x = 1e-3 * np.asarray(triangles.x)
+    held = carpet.when.size
+    x, stored = 1e-3 * np.asarray(carpet.triangles.x), results["x"].to_numpy()
     # Linear in time along each line, as x is on both straight legs; the corner lies between.
-    np.testing.assert_allclose(carpet.values(results["x"].to_numpy()), x, atol=1e-15)
-    corners = np.stack([triangles.x, triangles.y], -1)[triangles.triangles]
-    (ax, ay), (bx, by) = np.diff(corners, axis=1).transpose(1, 2, 0)
-    lines = [1e3 * np.stack([results["x"][k], results["y"][k]], -1) for k in (0, -1)]
-    between = abs(_area(np.vstack([lines[0], lines[1][::-1]])))
-    # Strips may fold where the lines turn sharply: at most one point's spacing along each line.
-    assert 0.5 * np.abs(ax * by - ay * bx).sum() == pytest.approx(between, rel=0.02)
+    np.testing.assert_allclose(carpet.values(stored)[:held], x[:held], atol=1e-15)
+    # The corner of a line is cut by at most the distance of its points.
+    assert _painted(carpet) == pytest.approx(_between(results), rel=2e-3)
+
+
+def _hairpins(scale: float = 1.0) -> xr.Dataset:
+    """Return a bead whose left half of lines doubles back into a heel before it goes on."""
+    bead = made_up(count=6)
+    s = np.linspace(0.0, 1.0, bead.sizes["point"])
+    reach = np.array([4.2, 4.0, 3.6, 0.0, 0.0, 0.0])[:, None] * np.exp(-(((s - 0.45) / 0.03) ** 2))
+    x = bead["x"].to_numpy() - 1e-3 * reach
+    results = bead.assign(x=(("streamline", "point"), x))
+    return rescaled(results, scale) if scale != 1.0 else results
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.05, 20.0])
+def test_carpet_is_painted_once_where_lines_double_back_at_every_scale(scale: float) -> None:
+    results = _hairpins(scale)
+    carpet = weave(results)
+    assert carpet is not None
+    # Strips that fold paint a place twice: their area is more than what lies between the lines.
+    assert _painted(carpet) == pytest.approx(_between(results), rel=5e-3)
+
+
+def test_carpet_is_a_membrane_no_value_lies_beyond_those_on_the_lines() -> None:
+    results = _hairpins()
+    carpet = weave(results)
+    assert carpet is not None
+    stored = np.sin(4e3 * results["x"].to_numpy()) * np.cos(3e3 * results["y"].to_numpy())
+    values, held = carpet.values(stored), carpet.when.size
+    assert values[held:].max() <= values[:held].max() + ROUNDING
+    assert values[held:].min() >= values[:held].min() - ROUNDING
+    np.testing.assert_allclose(carpet.values(np.ones_like(stored)), 1.0, rtol=1e-9)
+    # A linear field is harmonic, and flat ends along x hold one that rises across them.
+    x = carpet.values(results["x"].to_numpy())
+    width = np.ptp(results["x"].to_numpy())
+    assert np.abs(x - 1e-3 * np.asarray(carpet.triangles.x)).max() < 0.01 * width
 
 
 def test_one_streamline_has_no_strips() -> None:
