@@ -94,7 +94,9 @@ def weave(results: xr.Dataset) -> Carpet | None:
     points = np.vstack([held, free])
     corners = _triangles(points, rim)
     stretch = _membrane(points, corners, len(held))
-    return Carpet(Triangulation(*points.T, corners), rows, np.array(passing), time, stretch)
+    return Carpet(
+        Triangulation(points[:, 0], points[:, 1], corners), rows, np.array(passing), time, stretch
+    )
 
 
 def _lattice(window: Window, rim: Path) -> Array:
@@ -110,7 +112,8 @@ def _lattice(window: Window, rim: Path) -> Array:
     x, y = np.meshgrid(across, up)
     x[1::2] += 0.5 * apart
     points = np.stack([x, y], axis=-1).reshape(-1, 2)
-    return points[rim.contains_points(points)]
+    found: Array = points[rim.contains_points(points)]
+    return found
 
 
 def _clear(held: Array, lattice: Array) -> Array:
@@ -118,7 +121,8 @@ def _clear(held: Array, lattice: Array) -> Array:
     if len(lattice) < 2:
         return lattice
     apart = float(cKDTree(lattice).query(lattice[0], k=2)[0][1])
-    return lattice[cKDTree(held).query(lattice)[0] > CLEAR * apart]
+    found: Array = lattice[cKDTree(held).query(lattice)[0] > CLEAR * apart]
+    return found
 
 
 def _triangles(points: Array, rim: Path) -> Index:
@@ -155,7 +159,7 @@ def _membrane(points: Array, corners: Index, held: int) -> Callable[[Array], Arr
 
     def stretch(values: Array) -> Array:
         # Points of no triangle are not painted; zero would pass for a value, the mean does not.
-        found = np.r_[values, np.full(n - held, float(np.mean(values)))]
+        found: Array = np.r_[values, np.full(n - held, float(np.mean(values)))]
         found[free] = -solve(pull @ values)
         return found
 

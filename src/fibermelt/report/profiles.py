@@ -29,6 +29,7 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.tables import number
 from fibermelt.report.timeline import SIDES, draw_bound, draw_own, mark_zones, on_fibers, span
 
 if TYPE_CHECKING:
@@ -163,12 +164,12 @@ def profiles_words(results: xr.Dataset) -> Words:
         low = on_fibers(results, "lowest", feature.row)
         end = np.abs(relative_angle(results, feature.row)[:, -1])
         told.append(
-            f"on streamline {feature.number} the lowest is {low.min():.2f} MPa, and at the end "
-            f"the fibers lie within {end.max():.0f}° of the streamline, half of them within "
-            f"{np.median(end):.0f}°"
+            f"on streamline {feature.number} the lowest is {number(low.min(), 3)} MPa, and at "
+            f"the end the fibers lie within {end.max():.0f}° of the streamline, half of them "
+            f"within {np.median(end):.0f}°"
         )
     stay = np.diff(results["zone_time"].to_numpy())[:, 1]
-    stays = ", ".join(f"{stay[feature.row]:.3f} s" for feature in marked)
+    stays = ", ".join(f"{number(stay[feature.row], 3)} s" for feature in marked)
     # Both ways across: entering angles are stored in radians, rounded at most in the last digit.
     across = np.isclose(np.abs(results["initial_angle"].to_numpy()), 0.5 * np.pi)
     same = " Fibers that enter at ±90° are the same fiber." if across.sum() > 1 else ""

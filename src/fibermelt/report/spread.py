@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from fibermelt.report.lines import initial_angles, named, regular
 from fibermelt.report.scene import MPA
 from fibermelt.report.style import BAND, LOW, Array, key_mark
+from fibermelt.report.tables import short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,7 +132,7 @@ def _off_scale(axes: Axes, number: Array, mean: Array, end: float, *, left: bool
         clip_on=False,
         zorder=5,
     )
-    farthest = f"{mean[np.argmax(np.abs(mean))]:.2f}".replace("-", "−")
+    farthest = short(float(mean[np.argmax(np.abs(mean))]), 3)
     at = number[-1] if left else number[0]
     axes.annotate(
         farthest if len(number) == 1 else f"to {farthest}",

@@ -34,6 +34,7 @@ from fibermelt.report.style import (
     letter,
     styled,
 )
+from fibermelt.report.tables import number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,7 +168,7 @@ def streamlines_words(results: xr.Dataset) -> Words:
         alt=(
             "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
             "with the bed; those from the left edge come to lie at the bottom of the bead, those "
-            f"from the right at its top. The melt takes {end.min():.2f} s on the fastest line and "
-            f"{end.max():.2f} s on the slowest."
+            f"from the right at its top. The melt takes {number(end.min(), 3)} s on the fastest "
+            f"line and {number(end.max(), 3)} s on the slowest."
         ),
     )
