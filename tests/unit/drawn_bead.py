@@ -74,7 +74,7 @@ def rescaled(
     the nozzle, angles and shares stay. What the voids part found does not scale: it is found anew.
     """
     scales = length, time, stress
-    bead = results.drop_vars([name for name in results.variables if str(name).startswith("void_")])
+    bead = results.copy()
     for name, one in bead.data_vars.items():
         factor = _factor(one.attrs.get("units", ""), scales)
         if factor != 1.0:
@@ -92,7 +92,8 @@ def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
     """Return a bead with what its voids part finds."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
-    return bead.merge(assess_bead(stages, viscosity, melt, layers=6))
+    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith("void_")])
+    return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
 
 
 def _flow() -> dict[str, Any]:

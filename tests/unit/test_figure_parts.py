@@ -1,18 +1,23 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
 from drawn_bead import AREA, made_up, rescaled
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.report.carpet import Carpet, weave
-from fibermelt.report.drawing import curves
+from fibermelt.report.drawing import curves, spread_out
 from fibermelt.report.lines import at_time, features, initial_angles, rest
 from fibermelt.report.scene import SIDES, Scene, Window, _lattice, by_area, inside, read_scene
-from fibermelt.report.style import round_up, share_within
+from fibermelt.report.style import STYLE, add_axes, new_figure, round_up, share_within
+from fibermelt.report.ticks import Roomy
 
 ROUNDING = 1e-12
 """Relative; sums of a few thousand areas."""
@@ -186,3 +191,51 @@ def test_share_is_by_weight_and_blind_to_sign(percent: int) -> None:
     assert share_within(values, np.ones(100), percent / 100) in {percent, percent + 1}
     heavy = np.where(np.abs(values) <= 10, 1e6, 1.0)
     assert share_within(values, heavy, percent / 100) <= 10
+
+
+@given(st.lists(st.floats(-10, 10), min_size=1, max_size=6), st.floats(0.1, 3.0))
+def test_labels_keep_their_order_and_their_distance_and_move_no_more_than_they_must(
+    wanted: list[float], least: float
+) -> None:
+    places = np.array(wanted)
+    moved = spread_out(places, least)
+    order = np.argsort(places, kind="stable")
+    assert (np.diff(moved[order]) >= least * (1 - 1e-9)).all()
+    assert moved.mean() == pytest.approx(places.mean(), abs=1e-9)
+    if (np.diff(places[order]) >= least).all():
+        np.testing.assert_array_equal(moved, places)
+
+
+@pytest.mark.parametrize("end", [2.3e-3, 0.15, 7.6, 20.0, 3e7])
+def test_numbers_along_x_do_not_run_together(end: float) -> None:
+    with mpl.rc_context(STYLE):
+        axes = add_axes(new_figure(190, 60), 13, 10, 55, 45)
+    axes.set_xlim(0.0, end)
+    low, high = axes.get_xlim()
+    with mpl.rc_context(STYLE):
+        FigureCanvasAgg(axes.figure).draw()
+        labels = [t.label1 for t in axes.xaxis.get_major_ticks() if low <= t.get_loc() <= high]
+        boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 2
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+
+
+def test_numbers_reach_no_farther_beyond_an_axis_than_they_may() -> None:
+    with mpl.rc_context(STYLE):
+        axes = add_axes(new_figure(190, 60), 60, 10, 55, 45)
+        axes.set_xlim(0.0, 0.15)
+        axes.xaxis.set_major_locator(Roomy(4, beyond=0.0))
+        FigureCanvasAgg(axes.figure).draw()
+        ticks = [t for t in axes.xaxis.get_major_ticks() if 0.0 <= t.get_loc() <= 0.15]
+        boxes = [tick.label1.get_window_extent() for tick in ticks]
+    frame = axes.get_window_extent()
+    assert boxes
+    assert all(frame.x0 <= box.x0 and box.x1 <= frame.x1 for box in boxes)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.05, 1.0, 7.0])
+def test_the_scene_of_a_bead_scales_with_it(results: xr.Dataset, scale: float) -> None:
+    one, other = read_scene(results), read_scene(rescaled(results, scale))
+    for name in SIDES:
+        np.testing.assert_allclose(other.sides[name], scale * one.sides[name], rtol=1e-9)
+    assert other.width == pytest.approx(scale * one.width)

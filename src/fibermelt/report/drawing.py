@@ -33,10 +33,12 @@ __all__ = [
     "frame",
     "main_scene",
     "mark_window",
+    "on_paper",
     "paint",
     "plain",
     "scale_bar",
     "scene_axes",
+    "spread_out",
     "zone_badge",
 ]
 
@@ -166,6 +168,39 @@ def scale_bar(axes: Axes, window: Window, *, height: float = 0.08, share: float 
         zorder=6,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8},
     )
+
+
+def spread_out(places: Array, least: float) -> Array:
+    """Return places moved apart so that none is nearer than ``least`` to the next, (n,).
+
+    Labels that would overlap share the room around their mean; the rest stay where they are.
+
+    Parameters
+    ----------
+    places : (n,) array
+        Where labels are wanted along a line.
+    least : float
+        Least distance of two, in the same unit.
+    """
+    order = np.argsort(places, kind="stable")
+    groups: list[tuple[float, int]] = []  # the middle of each group of touching labels, how many
+    for place in places[order]:
+        middle, count = float(place), 1
+        while groups and middle - groups[-1][0] < 0.5 * least * (count + groups[-1][1]):
+            before, fewer = groups.pop()
+            middle = (middle * count + before * fewer) / (count + fewer)
+            count += fewer
+        groups.append((middle, count))
+    moved = np.empty(len(places))
+    moved[order] = np.concatenate(
+        [middle + least * (np.arange(n) - 0.5 * (n - 1)) for middle, n in groups]
+    )
+    return moved
+
+
+def on_paper(axes: Axes, points: float) -> float:
+    """Return the length in an axes' units that is so many points on paper."""
+    return _drawn(axes) * points * 25.4 / 72.0
 
 
 def zone_badge(

@@ -106,8 +106,8 @@ def figure_history(results: xr.Dataset) -> Figure:
             key_above(axes, _key(), 1.12, columns=7, between=1.4)
     instant = _first_lowest(results)
     for k, draw in enumerate((_speed, _pressure)):
-        axes = scene_axes(figure, 14 + 94 * k, 10, 61, _around(results))
-        bar = add_axes(figure, 77.5 + 94 * k, 12, 2.2, 57)
+        axes = scene_axes(figure, 14 + 91 * k, 10, 61, _around(results))
+        bar = add_axes(figure, 77.5 + 91 * k, 12, 2.2, 57)
         draw(axes, bar, results, instant)
         axes.set_xlabel("x from the fiber's center [µm]")
         axes.spines[["top", "right"]].set_visible(True)

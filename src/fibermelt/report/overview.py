@@ -19,9 +19,11 @@ from fibermelt.report.drawing import (
     frame,
     main_scene,
     mark_window,
+    on_paper,
     paint,
     scale_bar,
     scene_axes,
+    spread_out,
 )
 from fibermelt.report.lines import features, regular
 from fibermelt.report.scene import MM, MPA, Scene, Window, read_scene
@@ -50,6 +52,9 @@ PLACES = ("above mid-capillary", "below mid-capillary")
 """Where the paper's Loc. 1 and Loc. 2 lie."""
 
 FIBERS = "#404040"
+
+LINE = 9.0
+"""Height of a line of text, with what stays free above it [points]."""
 
 
 @styled
@@ -105,11 +110,14 @@ def _bead(axes: Axes, results: xr.Dataset, scene: Scene, window: Window) -> None
 
 def _numbers(axes: Axes, results: xr.Dataset) -> None:
     """Write the numbers of the marked streamlines at the outlet."""
-    for feature in features(results):
-        x, y = (MM * float(results[name][feature.row, -1]) for name in "xy")
+    marked = features(results)
+    ends = MM * results["y"].to_numpy()[[feature.row for feature in marked], -1]
+    right = MM * float(results["x"].max())
+    heights = spread_out(ends, on_paper(axes, LINE))
+    for feature, height in zip(marked, heights, strict=True):
         axes.annotate(
             str(feature.number),
-            (x, y),
+            (right, height),
             xytext=(3, 0),
             textcoords="offset points",
             va="center",

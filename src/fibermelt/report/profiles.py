@@ -12,7 +12,6 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from fibermelt.report.lines import Feature, against_paper, features, initial_angles, regular
 from fibermelt.report.style import (
@@ -30,6 +29,7 @@ from fibermelt.report.style import (
     styled,
 )
 from fibermelt.report.tables import number
+from fibermelt.report.ticks import Roomy
 from fibermelt.report.timeline import SIDES, draw_bound, draw_own, mark_zones, on_fibers, span
 
 if TYPE_CHECKING:
@@ -39,6 +39,9 @@ __all__ = ["figure_profiles", "profiles_words", "relative_angle"]
 
 LEFT, RIGHT, BETWEEN, FOOT, TALL, HEAD = 14.0, 2.0, 5.0, 9.0, 42.0, 19.0
 """Margins, room between panels, heights of foot, panels and head [mm]."""
+
+SHARED = 0.4 * BETWEEN * 72.0 / 25.4
+"""How far the numbers below a panel may reach to its neighbour [points]."""
 
 HUES = ListedColormap(mpl.colormaps["plasma"](np.linspace(0.0, 0.85, 256)))
 """Initial angles: dark to bright, without the yellow that white paper swallows."""
@@ -77,7 +80,7 @@ def figure_profiles(results: xr.Dataset) -> Figure:
             axes.set_ylim(*limits[what])
             _panel(axes, results, feature, what)
             mark_zones(axes, results, feature.row, numbers=k == 0)
-            axes.xaxis.set_major_locator(MaxNLocator(max(2, int(wide / 11)), steps=[1, 2, 5, 10]))
+            axes.xaxis.set_major_locator(Roomy(max(2, int(wide / 11)), beyond=SHARED))
             if k < len(ROWS) - 1:
                 axes.tick_params(labelbottom=False)
             else:

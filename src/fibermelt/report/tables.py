@@ -103,13 +103,13 @@ def ranged(low: float, high: float, digits: int = 3, between: str = "to") -> str
     low, high : float
         The ends, in the same unit.
     digits : int
-        Significant digits of the larger; two more where the ends lie so close.
+        Significant digits of the larger; up to two more where the ends lie close.
     between : str
         The word between them.
     """
     size = max(abs(low), abs(high))
     if low != high:
-        digits = max(digits, min(digits + 2, digits + places(high - low, 1) - places(size, digits)))
+        digits = max(digits, min(digits + 2, digits + places(high - low, 2) - places(size, digits)))
     return f"{sized(low, size, digits)} {between} {sized(high, size, digits)}"
 
 
