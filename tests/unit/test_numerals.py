@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.numerals import NOISE, places, rounded
@@ -40,10 +40,9 @@ def test_no_number_is_rounded_to_nothing(value: float, size: float) -> None:
         assert abs(float(text) - value) <= 0.5 * 10.0 ** -places(size, 3) * (1 + 1e-9)
 
 
-@given(sizes, st.integers(-5, 5))
+@given(st.floats(0.1, 9.0), st.integers(-2, 1))
 def test_the_same_thing_at_another_scale_has_the_same_digits(value: float, power: int) -> None:
     other = value * 10.0**power
-    assume(1e-3 < min(value, other) and max(value, other) < 99)
     digits = [rounded(one, one).replace(".", "").lstrip("0") for one in (value, other)]
     # A half rounds either way, as the multiple of a power of ten is not exact.
     assert abs(int(digits[0]) - int(digits[1])) <= 1

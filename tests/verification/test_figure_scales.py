@@ -12,7 +12,7 @@ import xarray as xr
 from drawn_bead import rescaled, with_voids
 from examples_drawn import examples
 from figure_texts import texts
-from hypothesis import example, given
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -55,7 +55,7 @@ def shown(figure: Figure) -> list[tuple[str, Bbox]]:
 @example(width=0.2e-3, slower=0.05, stiffer=20.0)
 @example(width=0.4e-3, slower=1.0, stiffer=1.0)
 @example(width=7.6e-3, slower=2.0, stiffer=0.05)
-@examples(2)
+@settings(examples(2), phases=[Phase.explicit, Phase.reuse, Phase.generate])
 def test_figures_read_alike_at_every_scale(
     plate: Plate, width: float, slower: float, stiffer: float
 ) -> None:

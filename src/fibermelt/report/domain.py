@@ -99,7 +99,7 @@ def _boundaries(axes: Axes, scene: Scene, results: xr.Dataset) -> None:
             (0, 7),
             "center",
         ),
-        ("$\\Gamma_2$ wall,\nno slip", middle, (-19, 0), "right"),
+        (r"$\Gamma_2$", middle, (-19, 0), "right"),
         (r"$\Gamma_3$ free surface", far, (0, 7), "center"),
         (r"$\Gamma_3$", heel, (-13, 0), "right"),
         (

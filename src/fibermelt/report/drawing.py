@@ -48,7 +48,7 @@ MELT = PALE
 METAL_THICKNESS = 0.07
 """Of the nozzle's wall as drawn, over the inlet's width; what it really is does not matter."""
 
-MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 10.0, 8.5, 136.0
+MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 12.0, 8.5, 134.0
 """Where the scene stands in a figure across the page, and its width at most [mm]."""
 
 ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
