@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from itertools import product
 from typing import Any
 
@@ -10,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fibermelt.flow.lagrange import LagrangeTriangle
+from fibermelt.study.toml import as_toml
 from fibermelt.study.variables import labelled
 from fibermelt.study.voids.melt import moist_melt
 from fibermelt.study.voids.stages import assess_bead
@@ -43,9 +46,54 @@ def made_up(count: int = 22, angles: int = 5, points: int = 120) -> xr.Dataset:
     """Return results with every variable that the figures read."""
     lines = _streamlines(count, points)
     bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell())
+    return with_voids(bead).assign_attrs(config=CONFIG)
+
+
+POWERS = {"m": (1, 0, 0), "s": (0, 1, 0), "Pa": (0, 0, 1)}
+"""Powers of length, time and stress in the units of what is stored."""
+
+
+def _factor(unit: str, scales: tuple[float, float, float]) -> float:
+    """Return the factor by which a quantity with a unit such as ``1/s`` or ``m^2/s`` grows."""
+    factor, sign = 1.0, 1
+    for part in re.split("([/ ])", unit):
+        name, _, power = part.partition("^")
+        if part == "/":
+            sign = -1
+        for scale, exponent in zip(scales, POWERS.get(name, (0, 0, 0)), strict=True):
+            factor *= scale ** (sign * exponent * int(power or 1))
+    return factor
+
+
+def rescaled(
+    results: xr.Dataset, length: float, time: float = 1.0, stress: float = 1.0
+) -> xr.Dataset:
+    """Return a bead of another size, speed and viscosity: Stokes flow scales exactly.
+
+    What is stored grows by the powers of length, time and stress in its unit; the fiber grows with
+    the nozzle, angles and shares stay. What the voids part found does not scale: it is found anew.
+    """
+    scales = length, time, stress
+    bead = results.copy()
+    for name, one in bead.data_vars.items():
+        factor = _factor(one.attrs.get("units", ""), scales)
+        if factor != 1.0:
+            bead[name] = (one * factor).assign_attrs(one.attrs)
+    config = tomllib.loads(results.attrs["config"])
+    config["fiber"]["half_length"] *= length
+    config["melt"]["viscosity"] *= stress * time
+    flat = {f"{name}.{key}": v for name, table in config.items() for key, v in table.items()}
+    return with_voids(bead, config["melt"]["viscosity"]).assign_attrs(
+        results.attrs | {"config": as_toml(flat)}
+    )
+
+
+def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
+    """Return a bead with what its voids part finds."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
-    return bead.merge(assess_bead(stages, 817.0, melt, layers=6)).assign_attrs(config=CONFIG)
+    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith("void_")])
+    return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
 
 
 def _flow() -> dict[str, Any]:

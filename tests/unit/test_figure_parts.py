@@ -1,18 +1,23 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from drawn_bead import AREA, made_up
+from drawn_bead import AREA, made_up, rescaled
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.report.carpet import weave
-from fibermelt.report.drawing import curves
+from fibermelt.report.carpet import Carpet, weave
+from fibermelt.report.drawing import curves, spread_out
 from fibermelt.report.lines import at_time, features, initial_angles, rest
 from fibermelt.report.scene import SIDES, Scene, Window, _lattice, by_area, inside, read_scene
-from fibermelt.report.style import round_up, share_within
+from fibermelt.report.style import STYLE, add_axes, new_figure, round_up, share_within
+from fibermelt.report.ticks import Roomy
 
 ROUNDING = 1e-12
 """Relative; sums of a few thousand areas."""
@@ -82,21 +87,64 @@ def test_straight_edges_are_two_points_and_bent_ones_all() -> None:
     assert len(curves(points, np.array([[0, 3, 2]]), 0.05).vertices) == 3
 
 
-def test_strips_cover_what_lies_between_the_lines_and_reproduce_values(
+def _painted(carpet: Carpet) -> float:
+    triangles = carpet.triangles
+    corners = np.stack([triangles.x, triangles.y], -1)[triangles.triangles]
+    (ax, ay), (bx, by) = np.diff(corners, axis=1).transpose(1, 2, 0)
+    return float(0.5 * np.abs(ax * by - ay * bx).sum())
+
+
+def _between(results: xr.Dataset) -> float:
+    """Return the area between the first and the last line [mm2]."""
+    lines = [1e3 * np.stack([results["x"][k], results["y"][k]], -1) for k in (0, -1)]
+    return abs(_area(np.vstack([lines[0], lines[1][::-1]])))
+
+
+def test_carpet_covers_what_lies_between_the_lines_and_reproduces_values(
     results: xr.Dataset,
 ) -> None:
     carpet = weave(results)
     assert carpet is not None
-    triangles = carpet.triangles
-    x = 1e-3 * np.asarray(triangles.x)
+    held = carpet.when.size
+    x, stored = 1e-3 * np.asarray(carpet.triangles.x), results["x"].to_numpy()
     # Linear in time along each line, as x is on both straight legs; the corner lies between.
-    np.testing.assert_allclose(carpet.values(results["x"].to_numpy()), x, atol=1e-15)
-    corners = np.stack([triangles.x, triangles.y], -1)[triangles.triangles]
-    (ax, ay), (bx, by) = np.diff(corners, axis=1).transpose(1, 2, 0)
-    lines = [1e3 * np.stack([results["x"][k], results["y"][k]], -1) for k in (0, -1)]
-    between = abs(_area(np.vstack([lines[0], lines[1][::-1]])))
-    # Strips may fold where the lines turn sharply: at most one point's spacing along each line.
-    assert 0.5 * np.abs(ax * by - ay * bx).sum() == pytest.approx(between, rel=0.02)
+    np.testing.assert_allclose(carpet.values(stored)[:held], x[:held], atol=1e-15)
+    # The corner of a line is cut by at most the distance of its points.
+    assert _painted(carpet) == pytest.approx(_between(results), rel=2e-3)
+
+
+def _hairpins(scale: float = 1.0) -> xr.Dataset:
+    """Return a bead whose left half of lines doubles back into a heel before it goes on."""
+    bead = made_up(count=6)
+    s = np.linspace(0.0, 1.0, bead.sizes["point"])
+    reach = np.array([4.2, 4.0, 3.6, 0.0, 0.0, 0.0])[:, None] * np.exp(-(((s - 0.45) / 0.03) ** 2))
+    x = bead["x"].to_numpy() - 1e-3 * reach
+    results = bead.assign(x=(("streamline", "point"), x))
+    return rescaled(results, scale) if scale != 1.0 else results
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.05, 20.0])
+def test_carpet_is_painted_once_where_lines_double_back_at_every_scale(scale: float) -> None:
+    results = _hairpins(scale)
+    carpet = weave(results)
+    assert carpet is not None
+    # Strips that fold paint a place twice: their area is more than what lies between the lines.
+    assert _painted(carpet) == pytest.approx(_between(results), rel=5e-3)
+
+
+def test_carpet_is_a_membrane_no_value_lies_beyond_those_on_the_lines() -> None:
+    results = _hairpins()
+    carpet = weave(results)
+    assert carpet is not None
+    stored = np.sin(4e3 * results["x"].to_numpy()) * np.cos(3e3 * results["y"].to_numpy())
+    values, held = carpet.values(stored), carpet.when.size
+    assert values[held:].max() <= values[:held].max() + ROUNDING
+    assert values[held:].min() >= values[:held].min() - ROUNDING
+    np.testing.assert_allclose(carpet.values(np.ones_like(stored)), 1.0, rtol=1e-9)
+    # A linear field is harmonic, and flat ends along x hold one that rises across them.
+    x = carpet.values(results["x"].to_numpy())
+    width = np.ptp(results["x"].to_numpy())
+    assert np.abs(x - 1e-3 * np.asarray(carpet.triangles.x)).max() < 0.01 * width
 
 
 def test_one_streamline_has_no_strips() -> None:
@@ -143,3 +191,51 @@ def test_share_is_by_weight_and_blind_to_sign(percent: int) -> None:
     assert share_within(values, np.ones(100), percent / 100) in {percent, percent + 1}
     heavy = np.where(np.abs(values) <= 10, 1e6, 1.0)
     assert share_within(values, heavy, percent / 100) <= 10
+
+
+@given(st.lists(st.floats(-10, 10), min_size=1, max_size=6), st.floats(0.1, 3.0))
+def test_labels_keep_their_order_and_their_distance_and_move_no_more_than_they_must(
+    wanted: list[float], least: float
+) -> None:
+    places = np.array(wanted)
+    moved = spread_out(places, least)
+    order = np.argsort(places, kind="stable")
+    assert (np.diff(moved[order]) >= least * (1 - 1e-9)).all()
+    assert moved.mean() == pytest.approx(places.mean(), abs=1e-9)
+    if (np.diff(places[order]) >= least).all():
+        np.testing.assert_array_equal(moved, places)
+
+
+@pytest.mark.parametrize("end", [2.3e-3, 0.15, 7.6, 20.0, 3e7])
+def test_numbers_along_x_do_not_run_together(end: float) -> None:
+    with mpl.rc_context(STYLE):
+        axes = add_axes(new_figure(190, 60), 13, 10, 55, 45)
+    axes.set_xlim(0.0, end)
+    low, high = axes.get_xlim()
+    with mpl.rc_context(STYLE):
+        FigureCanvasAgg(axes.figure).draw()
+        labels = [t.label1 for t in axes.xaxis.get_major_ticks() if low <= t.get_loc() <= high]
+        boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 2
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+
+
+def test_numbers_reach_no_farther_beyond_an_axis_than_they_may() -> None:
+    with mpl.rc_context(STYLE):
+        axes = add_axes(new_figure(190, 60), 60, 10, 55, 45)
+        axes.set_xlim(0.0, 0.15)
+        axes.xaxis.set_major_locator(Roomy(4, beyond=0.0))
+        FigureCanvasAgg(axes.figure).draw()
+        ticks = [t for t in axes.xaxis.get_major_ticks() if 0.0 <= t.get_loc() <= 0.15]
+        boxes = [tick.label1.get_window_extent() for tick in ticks]
+    frame = axes.get_window_extent()
+    assert boxes
+    assert all(frame.x0 <= box.x0 and box.x1 <= frame.x1 for box in boxes)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.05, 1.0, 7.0])
+def test_the_scene_of_a_bead_scales_with_it(results: xr.Dataset, scale: float) -> None:
+    one, other = read_scene(results), read_scene(rescaled(results, scale))
+    for name in SIDES:
+        np.testing.assert_allclose(other.sides[name], scale * one.sides[name], rtol=1e-9)
+    assert other.width == pytest.approx(scale * one.width)

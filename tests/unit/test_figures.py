@@ -92,10 +92,16 @@ def _five_marked() -> xr.Dataset:
     return bead.assign_attrs(config=bead.attrs["config"].split("[streamlines]")[0] + config)
 
 
+def _side_by_side() -> xr.Dataset:
+    bead = made_up()
+    return bead.assign_attrs(config=bead.attrs["config"].replace("4, 10, 18", "9, 10, 11"))
+
+
 VARIANTS = {
     "the paper's": made_up,
     "one streamline, one angle": lambda: made_up(count=1, angles=1),
     "five marked streamlines": _five_marked,
+    "marked side by side": _side_by_side,
 }
 
 

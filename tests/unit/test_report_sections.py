@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from fibermelt.report.risk import voids
 from fibermelt.report.sections import FURTHER, SECTIONS, told
 from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
-from fibermelt.report.tables import fixed, number, percent, short
+from fibermelt.report.tables import fixed, number, percent, short, sized
 from fibermelt.report.voids import voids_words
 from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
 from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
@@ -162,24 +163,29 @@ def risk(bead: xr.Dataset) -> dict[str, Any]:
     return {**stored_summary(bead), **summarize_voids(bead)}
 
 
+def largest(rows: Iterable[dict[str, Any]], *names: str) -> float:
+    return max(abs(row[name]) for row in rows for name in names if row[name] is not None)
+
+
 def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[str, Any]) -> None:
     found = risk["voids"]
     html = voids(bead, risk)
-    assert f"{fixed(MPA * found['vapor_pressure'], 3)} MPa" in html
+    assert f"{number(MPA * found['vapor_pressure'], 3)} MPa" in html
+    most = largest(found["by_basis"].values(), "lowest_pressure", "margin")
     by_basis = rows(html, "Lowest local pressure in the bead")
     assert [row[1] for row in by_basis] == [
-        fixed(MPA * one["lowest_pressure"], 3) for one in found["by_basis"].values()
+        sized(MPA * one["lowest_pressure"], MPA * most, 4) for one in found["by_basis"].values()
     ]
     profile = rows(html, "From the free surface down to the bed")
     heights = [float(row[0]) for row in profile]
     assert heights == sorted(heights, reverse=True)
-    bottom = found["profile"][0]
-    assert profile[-1][1] == (
-        "–" if bottom["fiber_pressure"] is None else fixed(MPA * bottom["fiber_pressure"], 3)
-    )
+    bottom = found["profile"][0]["fiber_pressure"]
+    most = largest(found["profile"], "fiber_pressure", "mean_pressure", "lowest_pressure")
+    assert profile[-1][1] == ("–" if bottom is None else sized(MPA * bottom, MPA * most, 4))
     lines = rows(html, "Each streamline, any direction of a fiber")
+    most = largest(found["streamlines"], "lowest_pressure")
     assert [row[2] for row in lines] == [
-        fixed(MPA * line["lowest_pressure"], 3) for line in found["streamlines"]
+        sized(MPA * line["lowest_pressure"], MPA * most, 4) for line in found["streamlines"]
     ]
     for assumed in (*found["material"]["estimates"], *found["material"]["missing"]):
         assert assumed in html
@@ -219,13 +225,13 @@ def test_what_counts_as_onset_is_what_the_study_says(
 def test_the_answer_is_yes_or_no_by_the_margin(bead: xr.Dataset, risk: dict[str, Any]) -> None:
     low = {"lowest_pressure": -5e5, "margin": -8e5, "critical_moisture": 0.0, "share_below": 0.25}
     html = answer(bead, {**risk, "voids": told_of(risk, **low)})
-    assert "Yes: on a fiber in its worst direction the pressure falls to −0.50 MPa" in html
-    assert "0.80 MPa below the vapor pressure" in html
+    assert "Yes: on a fiber in its worst direction the pressure falls to −0.500 MPa" in html
+    assert "0.800 MPa below the vapor pressure" in html
     assert "25 % of the melt" in html
     high = {"lowest_pressure": 9e5, "margin": 1e5, "critical_moisture": None}
     html = answer(bead, {**risk, "voids": told_of(risk, **high)})
     assert "No: on a fiber in its worst direction the pressure stays above" in html
-    assert "by 0.10 MPa" in html
+    assert "by 0.100 MPa" in html
 
 
 @pytest.mark.parametrize("margin", [-8e5, 1e5])
@@ -251,14 +257,14 @@ def test_the_answer_tells_the_place_that_is_stored(bead: xr.Dataset, risk: dict[
     worst["x"], worst["y"] = -0.00123, 0.0045
     html = answer(bead, {**risk, "voids": found})
     assert f"streamline {worst['index']}, which ends" in html
-    assert "1.2 mm upstream of the nozzle’s axis and 4.5 mm above the bed" in html
+    assert "1.23 mm upstream of the nozzle’s axis and 4.50 mm above the bed" in html
 
 
 def test_without_moisture_the_answer_keeps_to_the_pressures(bead: xr.Dataset) -> None:
     html = answer(bead, stored_summary(bead))
     regular = bead.isel(streamline=np.flatnonzero(bead["near_singularity"].to_numpy() == 0))
     lowest = float((regular["pressure"] + regular["bound_lowest"]).min())
-    assert f"{fixed(MPA * abs(lowest), 2)} MPa {'below' if lowest < 0 else 'above'}" in html
+    assert f"{number(MPA * abs(lowest), 3)} MPa {'below' if lowest < 0 else 'above'}" in html
     assert "Not judged, as no moisture was told" in html
     alone = answer(bead.assign(near_singularity=bead["near_singularity"] * 0 + 1), {"cost": {}})
     assert "Can it void?" not in alone
@@ -271,8 +277,8 @@ def test_without_a_bead_the_answer_is_of_a_fiber(
     summary = {**orbits, **summarize_interaction(suspension)}
     html = answer(xr.Dataset(attrs=bead.attrs), summary)
     base = orbits["orbits"]["cases"][0]
-    assert f"turns in {fixed(base['confined-ellipse']['period'], 2)} s in its cell" in html
-    assert f"{fixed(1e-3 * base['ellipse']['min_pressure'], 2)} kPa without" in html
+    assert f"turns in {number(base['confined-ellipse']['period'])} s in its cell" in html
+    assert f"{number(1e-3 * base['ellipse']['min_pressure'])} kPa without" in html
     assert f"M = {fixed(summary['interaction']['domain_size'], 3)}" in html
 
 

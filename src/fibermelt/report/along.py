@@ -25,6 +25,7 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.tables import number, ranged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,19 +102,21 @@ def along_words(results: xr.Dataset) -> Words:
     rate = results["shear_rate"].to_numpy()
     end = results["time"].to_numpy()[:, -1]
     peak = ", ".join(
-        f"{rate[feature.row].max():.0f} 1/s on streamline {feature.number}"
+        f"{number(rate[feature.row].max(), 3)} 1/s on streamline {feature.number}"
         for feature in features(results)
     )
     return Words(
         caption=(
             "Fig. 3 of the paper: (a) speed and (b) scalar rate of deformation that the melt meets "
             "along all streamlines, against the time since the inlet. Marks: zones 1 to 3 on the "
-            f"marked streamlines. The slowest line goes on to {end.max():.2f} s, off the scale."
+            f"marked streamlines. The slowest line goes on to {number(end.max(), 3)} s, off the "
+            "scale."
         ),
         alt=(
             "Two panels of curves over time. Speed rises in the taper, is steady in the capillary, "
-            f"peaks at {speed.max():.0f} mm/s and settles at the bed's {speed[:, -1].mean():.0f} "
-            f"mm/s. The rate of deformation peaks near the nozzle's exit ({peak}) and dies out in "
-            f"the bead. The way takes from {end.min():.2f} s to {end.max():.2f} s."
+            f"peaks at {number(speed.max(), 3)} mm/s and settles at the bed's "
+            f"{number(speed[:, -1].mean(), 3)} mm/s. The rate of deformation peaks near the "
+            f"nozzle's exit ({peak}) and dies out in the bead. The way takes from "
+            f"{ranged(end.min(), end.max())} s."
         ),
     )

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.judged import tally
-from fibermelt.report.tables import fixed, short
+from fibermelt.report.tables import fixed, number, short, sized
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.summary import worst_line
 
@@ -69,13 +69,18 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
         return f"No bead: {', '.join(PARTS.get(part, part) for part in parts)}."
     length, count = 2e6 * values["fiber.half_length"], len(summary["streamlines"])
     return (
-        f"A bead {fixed(MM * summary['flow']['bead_height'], 2)} mm high, laid at "
+        f"A bead {number(MM * summary['flow']['bead_height'], 3)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
         f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
         f"{short(values['melt.viscosity'])} Pa s; fibers {short(length)} µm long, of aspect "
         f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
         f"{count} streamline{'' if count == 1 else 's'}."
     )
+
+
+def _width(results: xr.Dataset) -> float:
+    """Return the capillary's width [m]."""
+    return float(parameters(results)["flow.capillary_width"])
 
 
 def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -87,7 +92,7 @@ def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, s
             return [("What to do?", advice(found))]
         return [
             ("Can it void?", _risk(found)),
-            ("Where?", _where(found, worst)),
+            ("Where?", _where(found, worst, _width(results))),
             ("What to do?", advice(found)),
         ]
     if "bound_lowest" in results:
@@ -101,15 +106,15 @@ def _of_a_fiber(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "orbits" in summary:
         base = summary["orbits"]["cases"][0]
         cell, free = base["confined-ellipse"], base["ellipse"]
-        turns = "stalls" if cell["period"] is None else f"turns in {fixed(cell['period'], 2)} s"
+        turns = "stalls" if cell["period"] is None else f"turns in {number(cell['period'], 4)} s"
         found.append(
             (
                 "How does it turn?",
                 f"A fiber of aspect ratio {short(base['aspect_ratio'])} at "
                 f"{short(base['shear_rate'])} 1/s {turns} in its cell, in "
-                f"{fixed(free['period'], 2)} s without one; the pressure on it falls to "
-                f"{fixed(KPA * cell['min_pressure'], 2)} kPa less the far field’s, to "
-                f"{fixed(KPA * free['min_pressure'], 2)} kPa without.",
+                f"{number(free['period'], 4)} s without one; the pressure on it falls to "
+                f"{number(KPA * cell['min_pressure'])} kPa less the far field’s, to "
+                f"{number(KPA * free['min_pressure'])} kPa without.",
             )
         )
     if "interaction" in summary:
@@ -129,7 +134,7 @@ def _risk(found: Mapping[str, Any]) -> str:
     lowest, margin = found["lowest_pressure"], found["margin"]
     vapor = (
         f"the vapor pressure of {short(PERCENT * found['moisture'], 3)} % moisture at "
-        f"{found['temperature'] - CELSIUS:.0f} °C, {fixed(MPA * found['vapor_pressure'], 2)} MPa"
+        f"{found['temperature'] - CELSIUS:.0f} °C, {number(MPA * found['vapor_pressure'], 3)} MPa"
     )
     on = "on a fiber in its worst direction the pressure"
     flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])
@@ -140,27 +145,29 @@ def _risk(found: Mapping[str, Any]) -> str:
         else ""
     )
     if margin >= 0:
-        return f"No: {on} stays above {vapor}, by {fixed(MPA * margin, 2)} MPa.{left}"
+        return f"No: {on} stays above {vapor}, by {number(MPA * margin, 3)} MPa.{left}"
     share = found["share_below"]
     of = "all of the melt" if share == 1 else f"{short(PERCENT * share, 2)} % of the melt"
     return (
-        f"Yes: {on} falls to {fixed(MPA * lowest, 2)} MPa absolute, {fixed(-MPA * margin, 2)} MPa "
-        f"below {vapor}, and {of} sometime sees less than that pressure.{left}"
+        f"Yes: {on} falls to {number(MPA * lowest, 3)} MPa absolute, "
+        f"{number(-MPA * margin, 3)} MPa below {vapor}, and {of} sometime sees less than that "
+        f"pressure.{left}"
     )
 
 
-def _place(x: float, y: float) -> str:
+def _place(x: float, y: float, width: float) -> str:
+    """Return a place in words [m]; the capillary's width tells with how many digits."""
     side = "downstream" if x >= 0 else "upstream"
     return (
-        f"{fixed(MM * abs(x), 1)} mm {side} of the nozzle’s axis and {fixed(MM * y, 1)} mm above "
-        "the bed"
+        f"{sized(MM * abs(x), MM * width)} mm {side} of the nozzle’s axis and "
+        f"{sized(MM * y, MM * width)} mm above the bed"
     )
 
 
-def _where(found: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
+def _where(found: Mapping[str, Any], worst: Mapping[str, Any], width: float) -> str:
     told = (
-        f"The lowest pressure is met {_place(worst['x'], worst['y'])}, on streamline "
-        f"{worst['index']}, which ends {fixed(MM * worst['height'], 1)} mm up in the bead"
+        f"The lowest pressure is met {_place(worst['x'], worst['y'], width)}, on streamline "
+        f"{worst['index']}, which ends {sized(MM * worst['height'], MM * width)} mm up in the bead"
     )
     layers = [layer for layer in found["profile"] if layer["fiber_pressure"] is not None]
     if len(layers) < 2:
@@ -172,8 +179,8 @@ def _where(found: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
         return f"{told}."
     return (
         f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
-        f"{fixed(MM * low['height'], 1)} mm and highest {fixed(MM * high['height'], 1)} mm "
-        "above the bed."
+        f"{sized(MM * low['height'], MM * width)} mm and highest "
+        f"{sized(MM * high['height'], MM * width)} mm above the bed."
     )
 
 
@@ -192,11 +199,11 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
         (
             "Can it void?",
             "Not judged, as no moisture was told: on a fiber in its worst direction the pressure "
-            f"falls to {fixed(MPA * abs(lowest), 2)} MPa {below} the atmosphere’s.",
+            f"falls to {number(MPA * abs(lowest), 3)} MPa {below} the atmosphere’s.",
         ),
         (
             "Where?",
-            f"It is met {_place(float(at['x']), float(at['y']))}, on streamline "
+            f"It is met {_place(float(at['x']), float(at['y']), _width(results))}, on streamline "
             f"{int(at['streamline'])}.",
         ),
         ("What to do?", 'Add "voids" to study.parts: it tells at what moisture a bubble can grow.'),

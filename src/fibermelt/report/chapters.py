@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from fibermelt.report.account import parameters
 from fibermelt.report.sources import Source, sources_of, written
-from fibermelt.report.tables import Column, fixed, measured, number, table
+from fibermelt.report.tables import Column, measured, number, sized, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,12 +104,26 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
     for location in locations:
         columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
     rows = []
+    # Not by what is met near a singular corner, which has no limit.
+    size = max(
+        (
+            abs(end)
+            for line in summary["streamlines"]
+            for location in locations
+            for end in found[line["index"], location]["bounds"]
+            if not line["near_singularity"]
+        ),
+        default=max(abs(item["mean"]) for item in found.values()),
+    )
     for line in summary["streamlines"]:
         name = str(line["index"]) + ("*" if line["near_singularity"] else "")
         cells = [name, number(line["transit_time"], 3)]
         for location in locations:
             item = found[line["index"], location]
-            cells += [fixed(MPA * item["mean"], 3), fixed(MPA * min(item["bounds"]), 3)]
+            cells += [
+                sized(MPA * pressure, MPA * size, 4)
+                for pressure in (item["mean"], min(item["bounds"]))
+            ]
         rows.append(cells)
     note = Markup(
         "<p>Lowest pressure on the fiber's surface less the melt's own: Loc. 1 lies above the "

@@ -21,6 +21,7 @@ from fibermelt.report.drawing import (
 )
 from fibermelt.report.scene import MM, Scene, Window, bed_speed, read_scene
 from fibermelt.report.style import VERMILION, Words, letter, styled
+from fibermelt.report.tables import number, short, sized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,8 +51,7 @@ def figure_domain(results: xr.Dataset) -> Figure:
     letter(gap, "gap and bead (dashed frame)")
     mark_window(axes, scene.exit)
 
-    width = float(np.ptp(scene.lips[:, 0]))
-    half = 0.5 * CLOSE_UP * width
+    half = 0.5 * CLOSE_UP * scene.width
     places = {
         "upstream lip": scene.lips[0],
         "contact point": scene.contact,
@@ -91,13 +91,19 @@ def _boundaries(axes: Axes, scene: Scene, results: xr.Dataset) -> None:
     middle = wall[np.argmin(np.abs(wall[:, 1] - 0.8 * scene.capillary_entrance))]
     heel = upstream[np.argmin(upstream[:, 0])]
     far = surface[np.argmin(np.abs(surface[:, 0] - 0.8 * surface[:, 0].max()))]
+    mean = short(inlet_speed, 3)
     names = (
-        (rf"$\Gamma_1$ inlet, mean {inlet_speed:.0f} mm/s", inlet.mean(axis=0), (0, 7), "center"),
-        ("$\\Gamma_2$ wall,\nno slip", middle, (-19, 0), "right"),
+        (
+            rf"$\Gamma_1$ inlet, mean {mean} mm/s",
+            inlet.mean(axis=0),
+            (0, 7),
+            "center",
+        ),
+        (r"$\Gamma_2$", middle, (-19, 0), "right"),
         (r"$\Gamma_3$ free surface", far, (0, 7), "center"),
         (r"$\Gamma_3$", heel, (-13, 0), "right"),
         (
-            rf"$\Gamma_4$ bed, {MM * bed_speed(results):.1f} mm/s",
+            rf"$\Gamma_4$ bed, {short(MM * bed_speed(results), 4)} mm/s",
             bed.mean(axis=0),
             (0, -11),
             "center",
@@ -122,20 +128,23 @@ def domain_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_domain`."""
     scene = read_scene(results)
     elements, unknowns = int(results["elements"]), int(results["unknowns"])
-    contact, heel = MM * float(results["contact_point"]), MM * float(results["heel"])
+    contact, heel = (
+        sized(MM * float(results[name]), scene.width, 4) for name in ("contact_point", "heel")
+    )
     return Words(
         caption=(
             "Fig. 2a of the paper: fluid domain, its boundaries and its mesh. Parabolic inlet flow "
             "on Γ₁, no slip on the nozzle's wall Γ₂, free surfaces Γ₃ whose shape is part of the "
             "answer, the speed of the bed on Γ₄ and on the outlet Γ₅. "
             f"{elements} curved triangles, {unknowns} unknowns. The upstream surface meets the "
-            f"bed at x = {contact:.3f} mm, also part of the answer; the melt's foremost point "
-            f"lies at x = {heel:.3f} mm. Red squares: where the flow is singular, drawn large."
+            f"bed at x = {contact} mm, also part of the answer; the melt's foremost "
+            f"point lies at x = {heel} mm. Red squares: where the flow is singular, drawn large."
         ),
         alt=(
             "Cross-section of a nozzle that narrows to a capillary over a moving bed. Melt fills "
-            f"the nozzle and the gap and leaves to the right as a bead {scene.bead_height:.2f} mm "
-            f"high; upstream it reaches x = {heel:.1f} mm. The triangles of the mesh are finest "
-            "at the two lips and where the upstream surface touches the bed."
+            f"the nozzle and the gap and leaves to the right as a bead "
+            f"{number(scene.bead_height, 3)} mm high; upstream it reaches x = {heel} mm. The "
+            "triangles of the mesh are "
+            "finest at the two lips and where the upstream surface touches the bed."
         ),
     )

@@ -16,6 +16,7 @@ from matplotlib.tri import Triangulation
 
 from fibermelt.report.scene import MM, Index, Scene, Window, bed_speed, inside
 from fibermelt.report.style import FULL, GREY, INK, PALE, Array, add_axes, new_figure
+from fibermelt.report.tables import short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,10 +33,12 @@ __all__ = [
     "frame",
     "main_scene",
     "mark_window",
+    "on_paper",
     "paint",
     "plain",
     "scale_bar",
     "scene_axes",
+    "spread_out",
     "zone_badge",
 ]
 
@@ -45,7 +48,7 @@ MELT = PALE
 METAL_THICKNESS = 0.07
 """Of the nozzle's wall as drawn, over the inlet's width; what it really is does not matter."""
 
-MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 10.0, 8.5, 136.0
+MAIN_LEFT, MAIN_BOTTOM, MAIN_WIDTH = 12.0, 8.5, 134.0
 """Where the scene stands in a figure across the page, and its width at most [mm]."""
 
 ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
@@ -54,8 +57,8 @@ ROOM_WIDTH, MARGIN = (88.0, 102.0), 2.0
 STRAIGHT = 0.02
 """An edge that bends less on paper [mm], a quarter of a line's width, is drawn straight."""
 
-OUTLINE = 2e-3
-"""The melt's filled outline is true to this [mm]: a hundredth of its line's width."""
+OUTLINE = 0.01
+"""The melt's filled outline is true to this on paper [mm]: a thirtieth of its line's width."""
 
 MOST_EDGES = 6000
 """A mesh of more edges than this is painted in dots inside SVG, which would grow beyond 1 MB."""
@@ -167,6 +170,39 @@ def scale_bar(axes: Axes, window: Window, *, height: float = 0.08, share: float 
     )
 
 
+def spread_out(places: Array, least: float) -> Array:
+    """Return places moved apart so that none is nearer than ``least`` to the next, (n,).
+
+    Labels that would overlap share the room around their mean; the rest stay where they are.
+
+    Parameters
+    ----------
+    places : (n,) array
+        Where labels are wanted along a line.
+    least : float
+        Least distance of two, in the same unit.
+    """
+    order = np.argsort(places, kind="stable")
+    groups: list[tuple[float, int]] = []  # the middle of each group of touching labels, how many
+    for place in places[order]:
+        middle, count = float(place), 1
+        while groups and middle - groups[-1][0] < 0.5 * least * (count + groups[-1][1]):
+            before, fewer = groups.pop()
+            middle = (middle * count + before * fewer) / (count + fewer)
+            count += fewer
+        groups.append((middle, count))
+    moved = np.empty(len(places))
+    moved[order] = np.concatenate(
+        [middle + least * (np.arange(n) - 0.5 * (n - 1)) for middle, n in groups]
+    )
+    return moved
+
+
+def on_paper(axes: Axes, points: float) -> float:
+    """Return the length in an axes' units that is so many points on paper."""
+    return _drawn(axes) * points * 25.4 / 72.0
+
+
 def zone_badge(
     axes: Axes,
     zone: int,
@@ -210,6 +246,13 @@ def plain(path: Path, tolerance: float) -> Path:
     return path.cleaned(simplify=True)
 
 
+def _drawn(axes: Axes) -> float:
+    """Return the length that is drawn as a millimetre on paper [mm]."""
+    low, high = axes.get_xlim()
+    inches = axes.get_position().width * axes.figure.bbox.width / axes.figure.dpi
+    return float((high - low) / (25.4 * inches))
+
+
 def draw_metal(axes: Axes, scene: Scene) -> None:
     """Draw the nozzle's body on both sides of the melt."""
     thick = METAL_THICKNESS * float(np.ptp(scene.sides["inlet"][:, 0]))
@@ -221,9 +264,10 @@ def draw_metal(axes: Axes, scene: Scene) -> None:
         )
 
 
-def draw_bed(axes: Axes, window: Window, thickness: float = 0.5) -> None:
-    """Draw the bed below the melt."""
-    axes.axhspan(-thickness, 0.0, facecolor="#e3ddd3", edgecolor="none", linewidth=0, zorder=0.4)
+def draw_bed(axes: Axes, window: Window) -> None:
+    """Draw the bed below the melt, as far down as a window shows."""
+    low = min(window.bottom, 0.0)
+    axes.axhspan(low, 0.0, facecolor="#e3ddd3", edgecolor="none", linewidth=0, zorder=0.4)
     axes.plot([window.left, window.right], [0, 0], color=METAL_EDGE, linewidth=0.6, zorder=0.6)
 
 
@@ -232,7 +276,7 @@ def draw_bed_motion(axes: Axes, results: xr.Dataset, scene: Scene) -> None:
     y = 0.62 * scene.whole.bottom
     x = 0.45 * scene.whole.right
     axes.annotate(
-        f"bed, {MM * bed_speed(results):.1f} mm/s ",
+        f"bed, {short(MM * bed_speed(results), 4)} mm/s ",
         (x + 0.2 * scene.whole.right, y),
         xytext=(x, y),
         ha="right",
@@ -244,7 +288,7 @@ def draw_bed_motion(axes: Axes, results: xr.Dataset, scene: Scene) -> None:
 def draw_outline(axes: Axes, scene: Scene, *, fill: bool = False) -> None:
     """Draw the melt: walls dark, free surfaces as such."""
     if fill:
-        melt = plain(Path(scene.outline), OUTLINE)
+        melt = plain(Path(scene.outline), OUTLINE * _drawn(axes))
         axes.add_artist(PathPatch(melt, facecolor=MELT, edgecolor="none", zorder=0.7))
     for name, line in scene.sides.items():
         wall = name.endswith("wall")
@@ -276,11 +320,9 @@ def draw_mesh(axes: Axes, scene: Scene, window: Window, color: str, linewidth: f
     low, high = lines.min(axis=1), lines.max(axis=1)
     here = (high > [window.left, window.bottom]).all(axis=1)
     here &= (low < [window.right, window.top]).all(axis=1)
-    paper = FULL * axes.get_position().width
-    straight = STRAIGHT * window.size[0] / paper
     axes.add_artist(
         PathPatch(
-            curves(scene.points, scene.edges[here], straight),
+            curves(scene.points, scene.edges[here], STRAIGHT * _drawn(axes)),
             facecolor="none",
             edgecolor=color,
             linewidth=linewidth,

@@ -11,6 +11,7 @@ from fibermelt.report.lines import against_paper, at_corners, initial_angles, re
 from fibermelt.report.scene import MPA
 from fibermelt.report.spread import draw_spread, extreme_of, spread_key, spread_limits
 from fibermelt.report.style import FULL, Words, add_axes, key_above, letter, new_figure, styled
+from fibermelt.report.tables import number, ranged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +51,7 @@ def _range(results: xr.Dataset, location: int, kind: str) -> str:
     """Return between which numbers the mean lies on streamlines away from singular corners."""
     value = MPA * extreme_of(results, "extreme", location, kind, "initial_angle")
     mean = value.mean(axis=1)[regular(results)]
-    return f"{mean.min():.2f} to {mean.max():.2f} MPa".replace("-", "−")
+    return f"{ranged(mean.min(), mean.max())} MPa"
 
 
 def _beyond(results: xr.Dataset) -> str:
@@ -60,7 +61,7 @@ def _beyond(results: xr.Dataset) -> str:
         bounds = MPA * results["extreme_bounds"].sel(kind=kind).to_numpy()
         farthest = float(bounds.flat[np.argmax(np.abs(bounds))])
         if abs(farthest) > max(abs(end) for end in spread_limits(results, kind)):
-            told.append(f"{farthest:.2f}".replace("-", "−"))
+            told.append(number(farthest, 3))
     return f" Bounds beyond the scales reach {' and '.join(told)} MPa there." if told else ""
 
 
@@ -96,6 +97,6 @@ def extremes_words(results: xr.Dataset) -> Words:
             f"{_range(results, 1, 'min')} at Loc. 2, {_range(results, 0, 'max')} for the highest "
             f"at Loc. 1 and {_range(results, 1, 'max')} at Loc. 2. At Loc. 2 the initial angle "
             f"matters most on streamline {at}, where lowest pressures differ by "
-            f"{np.ptp(value[widest]):.2f} MPa."
+            f"{number(np.ptp(value[widest]), 3)} MPa."
         ),
     )

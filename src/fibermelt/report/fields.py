@@ -35,6 +35,7 @@ from fibermelt.report.style import (
     share_within,
     styled,
 )
+from fibermelt.report.tables import number, short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -179,10 +180,10 @@ def maps_words(results: xr.Dataset) -> Words:
             "corners without bound."
         ),
         alt=(
-            f"Three maps. The speed is highest in the capillary, {speed.max():.0f} mm/s, low at "
-            "the wall and uniform in the bead. The rate of deformation is high along the "
+            f"Three maps. The speed is highest in the capillary, {number(speed.max(), 3)} mm/s, "
+            "low at the wall and uniform in the bead. The rate of deformation is high along the "
             "capillary's walls and around the lips and vanishes in the bead. The pressure falls "
-            f"from {inlet:.2f} MPa at the inlet along the capillary to nothing in the bead."
+            f"from {number(inlet, 3)} MPa at the inlet along the capillary to nothing in the bead."
         ),
     )
 
@@ -193,8 +194,9 @@ def gradients_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             "Fig. 4 of the paper: velocity gradient near the nozzle's exit. Scales are symmetric "
-            f"and shared: ±{normal:g} 1/s for (a) and (d), which sum to zero, ±{shear:g} 1/s for "
-            f"(b) and (c). At least {100 * SHARE:.0f} % of the area in each panel lies within; "
+            f"and shared: ±{short(normal)} 1/s for (a) and (d), which sum to zero, "
+            f"±{short(shear)} 1/s "
+            f"for (b) and (c). At least {100 * SHARE:.0f} % of the area in each panel lies within; "
             "the rest is painted in the scale's last colours: at the lips and at the contact point "
             "the gradient is singular, and what is computed there depends on the mesh."
         ),

@@ -40,6 +40,7 @@ from fibermelt.report.surroundings import (
     read_instant,
     rotation,
 )
+from fibermelt.report.tables import number, ranged
 from fibermelt.report.timeline import SIDES, Side, draw_bound, draw_own, mark_zones, on_fibers, span
 from fibermelt.study.variables import study_of
 
@@ -105,8 +106,8 @@ def figure_history(results: xr.Dataset) -> Figure:
             key_above(axes, _key(), 1.12, columns=7, between=1.4)
     instant = _first_lowest(results)
     for k, draw in enumerate((_speed, _pressure)):
-        axes = scene_axes(figure, 14 + 94 * k, 10, 61, _around(results))
-        bar = add_axes(figure, 77.5 + 94 * k, 12, 2.2, 57)
+        axes = scene_axes(figure, 14 + 91 * k, 10, 61, _around(results))
+        bar = add_axes(figure, 77.5 + 91 * k, 12, 2.2, 57)
         draw(axes, bar, results, instant)
         axes.set_xlabel("x from the fiber's center [µm]")
         axes.spines[["top", "right"]].set_visible(True)
@@ -146,7 +147,8 @@ def _extremes(axes: Axes, results: xr.Dataset, side: Side) -> None:
     for k, mark in enumerate(MARKS):
         axes.plot([when[k]] * 2, [end[k], end[k] - rise[k]], color=INK, linewidth=0.9, zorder=4)
         axes.plot(when[k], end[k], mark, mfc="white", mec=color, markersize=4.5, zorder=4.2)
-        told.append(f"$\\Delta P$ = {rise[k]:+.2f} MPa at Loc. {k + 1}".replace("-", "−"))
+        sign = "+" if rise[k] > 0 else ""
+        told.append(f"$\\Delta P$ = {sign}{number(rise[k], 3)} MPa at Loc. {k + 1}")
     axes.annotate(
         "\n".join(told),
         (0.0, 0.0),
@@ -255,7 +257,7 @@ def history_words(results: xr.Dataset) -> Words:
     beside = against_paper(
         results,
         "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
-        f"fiber comes to {low[0]:.2f} MPa at Loc. 1 and {low[1]:.2f} MPa at Loc. 2.",
+        f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
     )
     steep = np.degrees(abs(instant.elevation))
     plane = (
@@ -269,17 +271,19 @@ def history_words(results: xr.Dataset) -> Words:
             f"that enters at {_degrees(results, 'lowest'):g}°, (b) highest on the one that enters "
             f"at {_degrees(results, 'highest'):g}°, with the melt's own pressure; "
             "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
-            f"(c, d) The melt around the fiber of (a) at {instant.time:.3f} s, lowest at Loc. 1, "
-            "in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 (white "
+            f"(c, d) The melt around the fiber of (a) at {number(instant.time, 3)} s, lowest at "
+            "Loc. 1, in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 "
+            "(white "
             "arrows: velocity relative to its center; dark arrow: where it goes), and pressure "
-            f"less the melt's own {MPA * instant.own:.2f} MPa.{plane} The quiet ends are left out."
-            f"{beside}"
+            f"less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet ends are "
+            f"left out.{beside}"
         ).replace(" -", " −"),
         alt=(
-            f"The lowest pressure on the fiber is {low[0]:.2f} MPa at Loc. 1 and {low[1]:.2f} MPa "
-            f"at Loc. 2, the highest on the other {high[0]:.2f} and {high[1]:.2f} MPa, all against "
-            f"the atmosphere's. Around the fiber the speed lies between {speed.min():.1f} and "
-            f"{speed.max():.1f} mm/s, and the pressure differs from the melt's own by "
-            f"{pressure.min():.2f} MPa at its tips and {pressure.max():.2f} MPa at its flanks."
+            f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "
+            f"{number(low[1], 3)} MPa at Loc. 2, the highest on the other {number(high[0], 3)} and "
+            f"{number(high[1], 3)} MPa, all against the atmosphere's. Around the fiber the speed "
+            f"lies between {ranged(speed.min(), speed.max(), between='and')} mm/s, and the "
+            f"pressure differs from the melt's own by {number(pressure.min(), 3)} MPa at its tips "
+            f"and {number(pressure.max(), 3)} MPa at its flanks."
         ),
     )

@@ -9,6 +9,7 @@ import numpy as np
 from fibermelt.report.lines import features
 from fibermelt.report.scene import MM
 from fibermelt.report.style import Words
+from fibermelt.report.tables import number, sized
 from fibermelt.report.tensors import angle_from, closure_row, component_along, tensors
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def across_words(results: xr.Dataset) -> Words:
     angle = np.degrees(angle_from(a))
     height = MM * results["y"].to_numpy()[:, -1]
     low, high = int(np.argmin(height)), int(np.argmax(height))
+    lowest, highest = (sized(height[row], height[high]) for row in (low, high))
     ranges = ", ".join(
         f"a_{name}{name} {a[:, k, k].min():.2f} to {a[:, k, k].max():.2f}"
         for k, name in enumerate("xyz")
@@ -54,8 +56,8 @@ def across_words(results: xr.Dataset) -> Words:
         alt=(
             "Two maps and two charts. Fibers line up with the flow on the way to the capillary "
             f"and turn with it onto the bed. In the finished bead the tensor has {ranges}. On the "
-            f"lowest streamline, {height[low]:.2f} mm high, a_xx is {a[low, 0, 0]:.2f} and the "
-            f"preferred direction {angle[low]:.1f}°; on the highest, at {height[high]:.2f} mm, "
+            f"lowest streamline, {lowest} mm high, a_xx is {a[low, 0, 0]:.2f} and the "
+            f"preferred direction {angle[low]:.1f}°; on the highest, at {highest} mm, "
             f"{a[high, 0, 0]:.2f} and {angle[high]:.1f}°."
         ),
     )
@@ -79,8 +81,8 @@ def history_words(results: xr.Dataset) -> Words:
             f"(c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
             "and the distribution itself (dashed, Fokker-Planck, in error by up to "
             f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
-            f"component, at most {error[worst]:.3f} at {time[worst]:.3f} s and {error[-1]:.3f} in "
-            "the finished bead."
+            f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
+            f"{error[-1]:.3f} in the finished bead."
         ),
         alt=(
             "Three panels of curves over time. The component along the streamline rises on the "

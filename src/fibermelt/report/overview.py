@@ -19,9 +19,11 @@ from fibermelt.report.drawing import (
     frame,
     main_scene,
     mark_window,
+    on_paper,
     paint,
     scale_bar,
     scene_axes,
+    spread_out,
 )
 from fibermelt.report.lines import features, regular
 from fibermelt.report.scene import MM, MPA, Scene, Window, read_scene
@@ -36,6 +38,7 @@ from fibermelt.report.style import (
     round_up,
     styled,
 )
+from fibermelt.report.tables import number, ranged, sized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,6 +52,9 @@ PLACES = ("above mid-capillary", "below mid-capillary")
 """Where the paper's Loc. 1 and Loc. 2 lie."""
 
 FIBERS = "#404040"
+
+LINE = 9.0
+"""Height of a line of text, with what stays free above it [points]."""
 
 
 @styled
@@ -104,11 +110,14 @@ def _bead(axes: Axes, results: xr.Dataset, scene: Scene, window: Window) -> None
 
 def _numbers(axes: Axes, results: xr.Dataset) -> None:
     """Write the numbers of the marked streamlines at the outlet."""
-    for feature in features(results):
-        x, y = (MM * float(results[name][feature.row, -1]) for name in "xy")
+    marked = features(results)
+    ends = MM * results["y"].to_numpy()[[feature.row for feature in marked], -1]
+    right = MM * float(results["x"].max())
+    heights = spread_out(ends, on_paper(axes, LINE))
+    for feature, height in zip(marked, heights, strict=True):
         axes.annotate(
             str(feature.number),
-            (x, y),
+            (right, height),
             xytext=(3, 0),
             textcoords="offset points",
             va="center",
@@ -123,7 +132,8 @@ def overview_words(results: xr.Dataset) -> Words:
     bound = MPA * (own + results["bound_lowest"].to_numpy())
     chosen = np.where(regular(results)[:, None], bound, np.inf)
     row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
-    where = [MM * float(results[name][row, at]) for name in "xy"]
+    width = read_scene(results).width
+    where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
     extreme = results["extreme"].sel(kind="min").mean("initial_angle")
     mean = MPA * extreme.transpose("location", "streamline").to_numpy()
     share = 100 * float(results["quantile"][0])
@@ -141,11 +151,11 @@ def overview_words(results: xr.Dataset) -> Words:
         alt=(
             "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
             "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
-            f"the worst orientation gives {chosen[row, at]:.2f} MPa, on streamline "
-            f"{int(results['streamline'][row])} at x = {where[0]:.1f} mm, y = {where[1]:.1f} mm. "
+            f"the worst orientation gives {number(chosen[row, at], 3)} MPa, on streamline "
+            f"{int(results['streamline'][row])} at x = {where[0]} mm, y = {where[1]} mm. "
             "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its "
             "mean over the initial angles lies at Loc. 1 between "
-            f"{mean[0].min():.2f} and {mean[0].max():.2f} MPa, at Loc. 2 between "
-            f"{mean[1].min():.2f} and {mean[1].max():.2f} MPa."
+            f"{ranged(mean[0].min(), mean[0].max(), between='and')} MPa, at Loc. 2 between "
+            f"{ranged(mean[1].min(), mean[1].max(), between='and')} MPa."
         ),
     )

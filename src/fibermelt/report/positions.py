@@ -38,6 +38,7 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.tables import sized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,7 +86,7 @@ def figure_positions(results: xr.Dataset) -> Figure:
 
 def _window(results: xr.Dataset, scene: Scene) -> Window:
     """Return a window from the bed to a capillary's width above its entrance."""
-    width = float(np.ptp(scene.lips[:, 0]))
+    width = scene.width
     low = min(float(scene.sides["upstream surface"][:, 0].min()), float(scene.lips[0, 0]))
     top = scene.capillary_entrance + width
     x, y = (MM * results[f"extreme_{name}"].to_numpy() for name in "xy")
@@ -165,16 +166,21 @@ def positions_words(results: xr.Dataset) -> Words:
     }
     outside = int(np.count_nonzero(y > top))
     left_out = (
-        f" Above the frame, up to y = {y.max():.1f} mm, lie {outside} of {y.size}."
+        f" Above the frame, up to y = {sized(y.max(), scene.width)} mm, lie {outside} of {y.size}."
         if outside
         else ""
     )
     above = mean[0, "min"] - scene.capillary_entrance
     below = lips - mean[1, "max"]
+
+    def apart(values: Array) -> str:
+        low, high = (sized(end, scene.width) for end in (values.min(), values.max()))
+        return f"{low} to {high}"
+
     beside = against_paper(
         results,
         "The paper's text has (d) about 0.5 mm below the exit, nearly evenly; here the means lie "
-        f"{below.min():.2f} to {below.max():.2f} mm below it.",
+        f"{apart(below)} mm below it.",
     )
     near = at_corners(
         results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
@@ -189,9 +195,9 @@ def positions_words(results: xr.Dataset) -> Words:
         ),
         alt=(
             "Four outlines of the capillary and the gap with a point for every fiber. Mean places "
-            f"by streamline: the lowest pressure at Loc. 1 {above.min():.1f} to {above.max():.1f} "
-            f"mm above the capillary's entrance; at Loc. 2 from y = {mean[1, 'min'].min():.1f} to "
-            f"{mean[1, 'min'].max():.1f} mm, the exit being at {lips:.1f} mm; the highest at Loc. "
-            f"2 {below.min():.1f} to {below.max():.1f} mm below the exit."
-        ).replace("-", "−"),
+            f"by streamline: the lowest pressure at Loc. 1 {apart(above)} mm "
+            "above the capillary's entrance; at Loc. 2 from y = "
+            f"{apart(mean[1, 'min'])} mm, the exit being at {sized(lips, scene.width)} mm; the "
+            f"highest at Loc. 2 {apart(below)} mm below the exit."
+        ),
     )

@@ -12,7 +12,6 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from fibermelt.report.lines import Feature, against_paper, features, initial_angles, regular
 from fibermelt.report.style import (
@@ -29,6 +28,8 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.tables import number
+from fibermelt.report.ticks import Roomy
 from fibermelt.report.timeline import SIDES, draw_bound, draw_own, mark_zones, on_fibers, span
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ __all__ = ["figure_profiles", "profiles_words", "relative_angle"]
 
 LEFT, RIGHT, BETWEEN, FOOT, TALL, HEAD = 14.0, 2.0, 5.0, 9.0, 42.0, 19.0
 """Margins, room between panels, heights of foot, panels and head [mm]."""
+
+SHARED = 0.4 * BETWEEN * 72.0 / 25.4
+"""How far the numbers below a panel may reach to its neighbour [points]."""
 
 HUES = ListedColormap(mpl.colormaps["plasma"](np.linspace(0.0, 0.85, 256)))
 """Initial angles: dark to bright, without the yellow that white paper swallows."""
@@ -76,7 +80,7 @@ def figure_profiles(results: xr.Dataset) -> Figure:
             axes.set_ylim(*limits[what])
             _panel(axes, results, feature, what)
             mark_zones(axes, results, feature.row, numbers=k == 0)
-            axes.xaxis.set_major_locator(MaxNLocator(max(2, int(wide / 11)), steps=[1, 2, 5, 10]))
+            axes.xaxis.set_major_locator(Roomy(max(2, int(wide / 11)), beyond=SHARED))
             if k < len(ROWS) - 1:
                 axes.tick_params(labelbottom=False)
             else:
@@ -163,12 +167,12 @@ def profiles_words(results: xr.Dataset) -> Words:
         low = on_fibers(results, "lowest", feature.row)
         end = np.abs(relative_angle(results, feature.row)[:, -1])
         told.append(
-            f"on streamline {feature.number} the lowest is {low.min():.2f} MPa, and at the end "
-            f"the fibers lie within {end.max():.0f}° of the streamline, half of them within "
-            f"{np.median(end):.0f}°"
+            f"on streamline {feature.number} the lowest is {number(low.min(), 3)} MPa, and at "
+            f"the end the fibers lie within {end.max():.0f}° of the streamline, half of them "
+            f"within {np.median(end):.0f}°"
         )
     stay = np.diff(results["zone_time"].to_numpy())[:, 1]
-    stays = ", ".join(f"{stay[feature.row]:.3f} s" for feature in marked)
+    stays = ", ".join(f"{number(stay[feature.row], 3)} s" for feature in marked)
     # Both ways across: entering angles are stored in radians, rounded at most in the last digit.
     across = np.isclose(np.abs(results["initial_angle"].to_numpy()), 0.5 * np.pi)
     same = " Fibers that enter at ±90° are the same fiber." if across.sum() > 1 else ""

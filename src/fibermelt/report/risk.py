@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.report.tables import Column, fixed, folded, number, percent, short, table
+from fibermelt.report.tables import Column, folded, number, percent, short, sized, table
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.summary import worst_line
 
@@ -44,9 +44,9 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         short(PERCENT * found["moisture"], 3),
         found["material"]["name"],
         found["temperature"] - CELSIUS,
-        fixed(MPA * found["vapor_pressure"], 3),
+        number(MPA * found["vapor_pressure"], 3),
         short(PERCENT * found["saturation_moisture"], 3),
-        fixed(MPA * found["saturation_pressure"], 3),
+        number(MPA * found["saturation_pressure"], 3),
     )
     return Markup().join(
         [
@@ -69,7 +69,7 @@ def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
     worst = worst_line(found)
     if worst is None or not worst["critical_radius"]:
         return Markup()
-    told = f"A new bubble there would have to reach {NM * worst['critical_radius']:.0f} nm."
+    told = f"A new bubble there would have to reach {number(NM * worst['critical_radius'], 2)} nm."
     rate, wetting = worst["log10_rate"], worst["required_wetting"]
     starts = rate is not None and rate >= threshold
     if rate is not None:
@@ -91,8 +91,16 @@ def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
     return Markup("<p>{}</p>\n").format(told)
 
 
-def _mpa(value: float | None) -> str:
-    return fixed(None if value is None else MPA * value, 3)
+def _mpa(value: float | None, size: float) -> str:
+    """Return a pressure [MPa] with the digits that a size [Pa] asks for, four of the largest."""
+    return sized(_of(MPA, value), MPA * size, 4)
+
+
+def _size(rows: Iterable[Mapping[str, Any]], *names: str) -> float:
+    """Return the largest magnitude in columns of a table, by which their numbers are told."""
+    return max(
+        (abs(row[name]) for row in rows for name in names if row[name] is not None), default=0.0
+    )
 
 
 def _moisture(value: float | None) -> str:
@@ -114,11 +122,12 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         Column("its mean by flux", "%"),
         Column("Share of the melt below vapor", "%"),
     )
+    size = _size(found["by_basis"].values(), "lowest_pressure", "margin")
     rows = [
         (
             _whose(basis),
-            _mpa(one["lowest_pressure"]),
-            _mpa(one["margin"]),
+            _mpa(one["lowest_pressure"], size),
+            _mpa(one["margin"], size),
             _moisture(one["critical_moisture"]),
             _moisture(one["mean_critical_moisture"]),
             percent(one["share_below"], 0),
@@ -130,7 +139,7 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         "bubble can grow. A critical moisture of 0: the melt is under tension, and no drying "
         "helps; none: no moisture that the polymer can hold suffices. With those streamlines the "
         "lowest is {} MPa in any direction of a fiber.</p>\n"
-    ).format(_mpa(found["including_singular"]["lowest_pressure"]))
+    ).format(_mpa(found["including_singular"]["lowest_pressure"], size))
     return table("Lowest local pressure in the bead", columns, rows) + note
 
 
@@ -144,17 +153,20 @@ def _profile(found: Mapping[str, Any]) -> Markup:
         Column("Critical moisture", "%"),
         Column("Any direction, mean, with singular ones", "MPa"),
     )
+    layers = found["profile"]
+    height, time = (_size(layers, name) for name in ("height", "time_below"))
+    size = _size(layers, "fiber_pressure", "mean_pressure", "lowest_pressure")
     rows = [
         (
-            fixed(MM * layer["height"], 2),
-            _mpa(layer["fiber_pressure"]),
-            _mpa(layer["mean_pressure"]),
-            _mpa(layer["lowest_pressure"]),
-            fixed(None if layer["time_below"] is None else MS * layer["time_below"], 0),
+            sized(MM * layer["height"], MM * height),
+            _mpa(layer["fiber_pressure"], size),
+            _mpa(layer["mean_pressure"], size),
+            _mpa(layer["lowest_pressure"], size),
+            sized(_of(MS, layer["time_below"]), MS * time),
             "–" if layer["lowest_pressure"] is None else _moisture(layer["critical_moisture"]),
-            _mpa(layer["including_singular"]["mean_pressure"]),
+            _mpa(layer["including_singular"]["mean_pressure"], size),
         )
-        for layer in reversed(found["profile"])
+        for layer in reversed(layers)
     ]
     return table("From the free surface down to the bed, means by flux", columns, rows)
 
@@ -172,20 +184,23 @@ def _lines(found: Mapping[str, Any]) -> Markup:
         Column("Barrier left at onset", "%"),
         Column("Critical moisture", "%"),
     )
+    lines = found["streamlines"]
+    place, time = _size(lines, "height", "x", "y"), _size(lines, "time_below")
+    size = _size(lines, "lowest_pressure")
     rows = [
         (
             f"{line['index']}{'*' if line['near_singularity'] else ''}",
-            fixed(MM * line["height"], 2),
-            _mpa(line["lowest_pressure"]),
-            fixed(MM * line["x"], 2),
-            fixed(MM * line["y"], 2),
-            fixed(None if line["time_below"] is None else MS * line["time_below"], 0),
-            fixed(None if line["critical_radius"] is None else NM * line["critical_radius"], 1),
+            sized(MM * line["height"], MM * place),
+            _mpa(line["lowest_pressure"], size),
+            sized(MM * line["x"], MM * place),
+            sized(MM * line["y"], MM * place),
+            sized(_of(MS, line["time_below"]), MS * time),
+            number(_of(NM, line["critical_radius"]), 3),
             number(line["log10_rate"], 3),
             number(_of(PERCENT, line["required_wetting"]), 2),
             _moisture(line["critical_moisture"]),
         )
-        for line in found["streamlines"]
+        for line in lines
     ]
     caption = "Each streamline, any direction of a fiber; * passes close to a singular corner"
     return folded("Streamline by streamline", table(caption, columns, rows))

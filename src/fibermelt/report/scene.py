@@ -24,6 +24,9 @@ Index = NDArray[np.intp]
 MM, MPA = 1e3, 1e-6
 """Millimetres in a metre, megapascals in a pascal."""
 
+SAME = 1e-7
+"""Nodes of a straight side differ by less than this, over the size of the domain."""
+
 SIDES = (
     "left wall",
     "upstream surface",
@@ -90,6 +93,11 @@ class Scene:
         return np.array(self.sides["bed"][0])
 
     @property
+    def width(self) -> float:
+        """Return the capillary's width: the size that places near the exit are told by."""
+        return float(np.ptp(self.lips[:, 0]))
+
+    @property
     def bead_height(self) -> float:
         """Return the height at the outlet."""
         return float(np.ptp(self.sides["outlet"][:, 1]))
@@ -109,7 +117,7 @@ class Scene:
     @property
     def exit(self) -> Window:
         """Return a window on the gap: both lips, both surfaces, the bead as it settles."""
-        width, gap = float(np.ptp(self.lips[:, 0])), float(self.lips[0, 1])
+        width, gap = self.width, float(self.lips[0, 1])
         heel = float(self.sides["upstream surface"][:, 0].min())
         return Window(heel - 0.2 * width, heel + 2.75 * width, -0.12 * gap, 1.5 * gap)
 
@@ -175,7 +183,8 @@ def read_scene(results: xr.Dataset) -> Scene:
     loop = _loop(boundary, points)
     surfaces = [MM * results[f"{name}_surface"].to_numpy() for name in ("upstream", "downstream")]
     top, right = points[:, 1].max(), points[:, 0].max()
-    inlet, outlet = loop[loop[:, 1] > top - 1e-6], loop[loop[:, 0] > right - 1e-6]
+    same = SAME * float(np.ptp(points, axis=0).max())
+    inlet, outlet = loop[loop[:, 1] > top - same], loop[loop[:, 0] > right - same]
     marks = [
         inlet[np.argmin(inlet[:, 0])],
         surfaces[0][0],

@@ -8,10 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
 
+from fibermelt.report.drawing import on_paper, spread_out
 from fibermelt.report.lines import initial_angles, named, regular
 from fibermelt.report.scene import MPA
 from fibermelt.report.style import BAND, LOW, Array, key_mark
+from fibermelt.report.tables import short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +33,9 @@ MEAN, MEDIAN, FIBERS, ISOTROPIC = "#24459c", LOW, "#404040", "#9aa8b5"
 """The paper's blue line is the mean, its red one the median; neither is a streamline's colour."""
 
 DASHES = (0, (3, 1.5))
+
+DIGITS = 6.0
+"""Width of a bold digit, with its share of what stays free between two numbers [points]."""
 
 ROOM = 0.06
 """Free part of the scale beyond the largest value."""
@@ -65,7 +71,15 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
     axes.set_xlabel("streamline, from the left edge")
     shown = named(results)
     axes.set_xticks(number[[*shown]], [str(number[row]) for row in shown])
-    for color, tick in zip(shown.values(), axes.get_xticklabels(), strict=True):
+    labels = axes.get_xticklabels()
+    wide = DIGITS * max(len(label.get_text()) for label in labels)
+    places = number[[*shown]].astype(np.float64)
+    aside = (spread_out(places, on_paper(axes, wide)) - places) / on_paper(axes, 72.0)
+    for label, shift in zip(labels, aside, strict=True):
+        if shift:
+            across = ScaledTranslation(shift, 0.0, axes.figure.dpi_scale_trans)
+            label.set_transform(label.get_transform() + across)
+    for color, tick in zip(shown.values(), labels, strict=True):
         if color is not None:
             tick.set_color(color)
             tick.set_fontweight("bold")
@@ -131,7 +145,7 @@ def _off_scale(axes: Axes, number: Array, mean: Array, end: float, *, left: bool
         clip_on=False,
         zorder=5,
     )
-    farthest = f"{mean[np.argmax(np.abs(mean))]:.2f}".replace("-", "−")
+    farthest = short(float(mean[np.argmax(np.abs(mean))]), 3)
     at = number[-1] if left else number[0]
     axes.annotate(
         farthest if len(number) == 1 else f"to {farthest}",

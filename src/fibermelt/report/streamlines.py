@@ -17,8 +17,10 @@ from fibermelt.report.drawing import (
     frame,
     main_scene,
     mark_window,
+    on_paper,
     scale_bar,
     scene_axes,
+    spread_out,
     zone_badge,
 )
 from fibermelt.report.lines import ZONES, at_corners, at_time, features, named, rest
@@ -34,6 +36,7 @@ from fibermelt.report.style import (
     letter,
     styled,
 )
+from fibermelt.report.tables import number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,6 +48,9 @@ PLACES = (("o", PINK), ("^", ORANGE))
 
 KEY = 22.0
 """Height of the key to the marks [mm]."""
+
+DIGITS = 6.5
+"""Width of a bold digit, with its share of what stays free between two numbers [points]."""
 
 ZONE_DASHES = (0, (2.5, 1.5))
 
@@ -132,11 +138,14 @@ def _places(axes: Axes, results: xr.Dataset) -> None:
 def _numbers(axes: Axes, results: xr.Dataset) -> None:
     """Write the numbers of the marked streamlines, the first and the last over the inlet."""
     numbers = results["streamline"].to_numpy()
-    x, y = MM * results["x"].to_numpy()[:, 0], MM * results["y"].to_numpy()[:, 0]
-    for row, color in named(results).items():
+    shown = named(results)
+    start = MM * results["x"].to_numpy()[[*shown], 0]
+    top = MM * float(results["y"].max())
+    wide = DIGITS * max(len(str(numbers[row])) for row in shown)
+    for (row, color), x in zip(shown.items(), spread_out(start, on_paper(axes, wide)), strict=True):
         axes.annotate(
             str(numbers[row]),
-            (x[row], y[row]),
+            (x, top),
             xytext=(0, 2.5),
             textcoords="offset points",
             ha="center",
@@ -167,7 +176,7 @@ def streamlines_words(results: xr.Dataset) -> Words:
         alt=(
             "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
             "with the bed; those from the left edge come to lie at the bottom of the bead, those "
-            f"from the right at its top. The melt takes {end.min():.2f} s on the fastest line and "
-            f"{end.max():.2f} s on the slowest."
+            f"from the right at its top. The melt takes {number(end.min(), 3)} s on the fastest "
+            f"line and {number(end.max(), 3)} s on the slowest."
         ),
     )

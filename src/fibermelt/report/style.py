@@ -19,10 +19,13 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
+
+from fibermelt.report.ticks import LABEL, Plain, Roomy, plain_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,8 +98,8 @@ STYLE: dict[Any, Any] = {
     "font.size": 7.5,
     "axes.titlesize": 7.5,
     "axes.labelsize": 7.5,
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
+    "xtick.labelsize": LABEL,
+    "ytick.labelsize": LABEL,
     "legend.fontsize": 7.0,
     "mathtext.fontset": "dejavusans",
     "text.color": INK,
@@ -179,10 +182,13 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Return axes at a place of the figure in [mm]."""
+    """Return axes at a place of the figure in [mm], with whole numbers that have room."""
     size = 25.4 * figure.get_size_inches()
     place = (left / size[0], bottom / size[1], width / size[0], height / size[1])
-    return figure.add_axes(place)
+    axes = figure.add_axes(place)
+    axes.xaxis.set_major_locator(Roomy())
+    plain_numbers(axes)
+    return axes
 
 
 def letter(axes: Axes, text: str, *, inside: bool = False) -> None:
@@ -265,6 +271,10 @@ def color_bar(
         extendfrac=0.04,
     )
     bar.set_label(label)
+    if not isinstance(field.norm, LogNorm):
+        bar.formatter = Plain()
+        if not upright and not isinstance(field.norm, BoundaryNorm):
+            bar.locator = Roomy()
     bar.outline.set_linewidth(0.4)
     return bar
 

@@ -8,7 +8,20 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-__all__ = ["Column", "fixed", "folded", "measured", "number", "percent", "short", "table"]
+from fibermelt.numerals import places, rounded
+
+__all__ = [
+    "Column",
+    "fixed",
+    "folded",
+    "measured",
+    "number",
+    "percent",
+    "ranged",
+    "short",
+    "sized",
+    "table",
+]
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -53,11 +66,51 @@ def number(value: float | None, digits: int = 4) -> str:
     if value == 0 or math.isinf(value):
         return f"{value:g}".replace("inf", "∞").replace("-", "−")
     if isinstance(value, int) or SMALLEST <= abs(value) < LARGEST:
-        power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
-        text = f"{value:.{max(0, digits - 1 - power)}f}" if value != int(value) else f"{value:.0f}"
+        text = rounded(value, value, digits) if value != int(value) else f"{value:.0f}"
         return text.replace("-", "−")
-    mantissa, power_text = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa} × 10{str(int(power_text)).translate(_RAISED)}".replace("-", "−")
+    return _printed(f"{value:.{digits - 1}e}")
+
+
+def _printed(text: str) -> str:
+    """Return a number's digits as print has them: a minus, and a power of ten raised."""
+    mantissa, e, power = text.partition("e")
+    raised = f" × 10{str(int(power)).translate(_RAISED)}" if e else ""
+    return f"{mantissa}{raised}".replace("-", "−")
+
+
+def sized(value: float | None, size: float, digits: int = 3) -> str:
+    """Return a number with the decimals that a size asks for; a dash where there is none.
+
+    Parameters
+    ----------
+    value : float or None
+        The number; None and NaN stand for what does not exist.
+    size : float
+        Magnitude of what it is told of, in the same unit.
+    digits : int
+        Significant digits of a number of that size.
+    """
+    if value is None or math.isnan(value):
+        return "–"
+    return _printed(rounded(value, size, digits))
+
+
+def ranged(low: float, high: float, digits: int = 3, between: str = "to") -> str:
+    """Return two ends with the same decimals, as many as tell them apart.
+
+    Parameters
+    ----------
+    low, high : float
+        The ends, in the same unit.
+    digits : int
+        Significant digits of the larger; up to two more where the ends lie close.
+    between : str
+        The word between them.
+    """
+    size = max(abs(low), abs(high))
+    if low != high:
+        digits = max(digits, min(digits + 2, digits + places(high - low, 2) - places(size, digits)))
+    return f"{sized(low, size, digits)} {between} {sized(high, size, digits)}"
 
 
 def short(value: float, digits: int = 6) -> str:

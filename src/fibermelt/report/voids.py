@@ -41,6 +41,7 @@ from fibermelt.report.style import (
     round_up,
     styled,
 )
+from fibermelt.report.tables import number, sized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -215,7 +216,8 @@ def voids_words(results: xr.Dataset) -> Words:
         deepest = int(np.nanargmin(worst))
         told = (
             "In the worst direction the lowest pressure by layer is "
-            f"{MPA * worst[deepest]:.2f} MPa, {height[deepest]:.2f} mm above the bed."
+            f"{number(MPA * worst[deepest], 3)} MPa, {sized(height[deepest], height[-1])} mm above "
+            "the bed."
         )
     count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
     without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
@@ -223,8 +225,9 @@ def voids_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
-            f"whose vapor pressure is {vapor:.3f} MPa. (a, b) Lowest local pressure on a fiber "
-            "less vapor pressure: red where a bubble can grow, a black line where the two are "
+            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest local pressure on a "
+            "fiber less vapor pressure: red where a bubble can grow, a black line where the two "
+            "are "
             "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
             f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
             f"layer{out}. Pressures are absolute."

@@ -31,9 +31,9 @@ from fibermelt.report.sweep.shares import (
     sweep_indices,
     sweep_quantiles,
 )
-from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.report.tables import number
+from fibermelt.report.ticks import plain_numbers
 from fibermelt.study.sweep.effects import effect
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 from fibermelt.study.sweep.window import critical_moistures

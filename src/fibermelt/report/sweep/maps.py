@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fibermelt.report.style import FULL, INK, OTHERS, SEQUENTIAL, Words, add_axes, new_figure
 from fibermelt.report.style import styled as in_style
-from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.tables import number
+from fibermelt.report.ticks import plain_numbers
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:

@@ -26,9 +26,9 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
-from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
+from fibermelt.report.ticks import plain_numbers
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles
 from fibermelt.study.sweep.table import SweepTable, sweep_table
 

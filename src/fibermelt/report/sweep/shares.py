@@ -25,9 +25,9 @@ from fibermelt.report.style import (
     new_figure,
 )
 from fibermelt.report.style import styled as in_style
-from fibermelt.report.sweep.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.report.tables import number
+from fibermelt.report.ticks import plain_numbers
 from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
 from fibermelt.study.sweep.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from fibermelt.report.scene import MM
 from fibermelt.report.style import FULL, Array, Words, add_axes, letter, new_figure, styled
-from fibermelt.report.sweep.ticks import plain_numbers
+from fibermelt.report.ticks import plain_numbers
 from fibermelt.study.sweep.window import GAP, SPEED, critical_moistures, drying_advice
 
 if TYPE_CHECKING:

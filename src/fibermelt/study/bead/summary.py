@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.numerals import rounded
 from fibermelt.study.variables import or_none
 
 if TYPE_CHECKING:
@@ -148,10 +149,12 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
     motion = "tumbles" if stall is None else f"stalls at {math.degrees(stall):.2f} deg"
     # Adding zero takes the sign off a circle's, which is zero but for rounding.
     factor = round(cell["shape_factor"], 4) + 0.0
+    height, contact = (flow[name] * 1e3 for name in ("bead_height", "contact_point"))
+    inlet = flow["inlet_pressure"] / 1e6
     lines = [
-        f"bead height     {flow['bead_height'] * 1e3:.3f} mm",
-        f"inlet pressure  {flow['inlet_pressure'] / 1e6:.3f} MPa",
-        f"contact point   {flow['contact_point'] * 1e3:.3f} mm from the nozzle's axis",
+        f"bead height     {rounded(height, height, 4)} mm",
+        f"inlet pressure  {rounded(inlet, inlet)} MPa",
+        f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
     ]
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
@@ -166,8 +169,9 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         if not found:
             continue
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
+        lowest = -worst["lowest"] / 1e6
         lines.append(
-            f"lowest {place}  {-worst['lowest'] / 1e6:.3f} MPa below the melt's own pressure, on "
+            f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
             f"streamline {worst['streamline']}"
         )
     return lines + _left_out(flagged, of=len(summary["streamlines"]))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.numerals import rounded
 from fibermelt.study.variables import or_none
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.wrapping import unbroken
@@ -166,7 +167,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     voids = summary["voids"]
     celsius = voids["temperature"] - 273.15
     lines = [
-        f"vapor pressure  {voids['vapor_pressure'] / 1e6:.3f} MPa of "
+        f"vapor pressure  {_mpa(voids['vapor_pressure'])} MPa of "
         f"{100 * voids['moisture']:.3g} % moisture in {voids['material']['name']} at "
         f"{celsius:.0f} degC"
     ]
@@ -199,12 +200,17 @@ def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
 
 def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     """Return the lines on the lowest pressure, met on ``worst``, and on the profile."""
+    highest = 1e3 * max(float(layer["height"]) for layer in voids["profile"])
+
+    def height(of: Mapping[str, Any]) -> str:
+        return rounded(1e3 * of["height"], highest)
+
     in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
     lines = [
-        f"lowest local    {worst['lowest_pressure'] / 1e6:.3f} MPa absolute on a fiber in its "
-        f"worst direction, on streamline {worst['index']}, which ends {1e3 * worst['height']:.2f} "
+        f"lowest local    {_mpa(worst['lowest_pressure'])} MPa absolute on a fiber in its "
+        f"worst direction, on streamline {worst['index']}, which ends {height(worst)} "
         "mm up in the bead",
-        f"                {in_space / 1e6:.3f} MPa on an unbounded spheroid in space",
+        f"                {_mpa(in_space)} MPa on an unbounded spheroid in space",
     ]
     if nucleation := _nucleation(voids, worst):
         lines.append(f"nucleation      {nucleation}")
@@ -213,17 +219,22 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     deepest = min(layers, key=lambda layer: float(layer["mean_pressure"]))
     return [
         *lines,
-        f"over the bead   {first['mean_pressure'] / 1e6:.3f} MPa at the bed, "
-        f"{deepest['mean_pressure'] / 1e6:.3f} MPa at {1e3 * deepest['height']:.2f} mm, "
-        f"{last['mean_pressure'] / 1e6:.3f} MPa at the free surface",
+        f"over the bead   {_mpa(first['mean_pressure'])} MPa at the bed, "
+        f"{_mpa(deepest['mean_pressure'])} MPa at {height(deepest)} mm, "
+        f"{_mpa(last['mean_pressure'])} MPa at the free surface",
     ]
+
+
+def _mpa(pressure: float) -> str:
+    return rounded(pressure / 1e6, pressure / 1e6)
 
 
 def _nucleation(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
     """Return what a bubble without any gas to start from would take; nothing if that is unknown."""
     if not worst["critical_radius"]:
         return ""
-    told = f"critical radius {1e9 * worst['critical_radius']:.0f} nm"
+    radius = 1e9 * worst["critical_radius"]
+    told = f"critical radius {rounded(radius, radius, 2)} nm"
     if (rate := worst["log10_rate"]) is None:
         return told
     threshold = math.log10(voids["threshold_rate"])
