@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -19,10 +18,9 @@ from fibermelt.study.overrides import (
     read_overrides,
     read_varying,
     refuse_without_effect,
-    unreadable,
 )
 from fibermelt.study.parameters import excerpt
-from fibermelt.study.syntax import syntax_fault
+from fibermelt.study.syntax import parse_toml, read_toml
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
@@ -86,7 +84,7 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     """
     path = Path(study)
     file = path if _is_study_file(path, study) else None
-    name, tables = (path.stem, _read(path)) if file else (study, _preset(study))
+    name, tables = (path.stem, read_toml(path)) if file else (study, _preset(study))
     origin = path.name if file else f"preset {name}"
     overriding = read_overrides(overrides)
     for table in overriding:
@@ -114,7 +112,7 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
         name=name,
         origin=legible(origin, len(origin)),
         config=resolve(tables),
-        path=file,
+        path=file if file and file.is_file() else None,
         tables=tables,
         sweep=sweep,
     )
@@ -132,7 +130,7 @@ def replaces_another(folder: Path, config: Config) -> bool:
         The study that is to run into it.
     """
     try:
-        return resolve(_read(folder / "config.toml")) != config
+        return resolve(read_toml(folder / "config.toml")) != config
     except ConfigError:
         return False
 
@@ -155,9 +153,10 @@ def _is_study_file(path: Path, study: str) -> bool:
     """Tell a file from a shipped study, which wins over a folder of its name; refuse the rest."""
     shown = legible(study, _LONGEST_PATH)
     try:
-        if path.is_file():
-            return True
         is_folder = path.is_dir()
+        # A pipe is read like a file: /dev/stdin, or what a shell writes for <(...).
+        if path.exists() and not is_folder:
+            return True
     except OSError as error:
         msg = f"{shown}: no such study file: {(error.strerror or str(error)).lower()}"
         raise ConfigError(msg) from error
@@ -175,31 +174,6 @@ def _is_study_file(path: Path, study: str) -> bool:
     return False
 
 
-def _read(path: Path) -> dict[str, Any]:
-    shown = legible(str(path), _LONGEST_PATH)
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        msg = f"{shown}: cannot be read: {error.strerror}"
-        raise ConfigError(msg) from error
-    except UnicodeDecodeError as error:
-        msg = f"{shown}: is not a TOML file: byte {error.start} is not UTF-8 text"
-        raise ConfigError(msg) from error
-    # Some editors put a byte order mark in front, which TOML does not know.
-    return _parsed(text.removeprefix("\ufeff"), shown)
-
-
-def _parsed(text: str, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        msg = f"{where}: not TOML: {legible(syntax_fault(error, text), _LONGEST_PATH)}"
-        raise ConfigError(msg) from None
-    except (ValueError, RecursionError) as error:
-        msg = f"{where}: {unreadable(error)}"
-        raise ConfigError(msg) from None
-
-
 def _preset(name: str) -> dict[str, Any]:
     known = preset_names()
     if name not in known:
@@ -212,7 +186,7 @@ def _preset(name: str) -> dict[str, Any]:
         )
         raise ConfigError(msg)
     source = files("fibermelt.study").joinpath("presets", f"{name}.toml")
-    return _parsed(source.read_text(encoding="utf-8"), f"preset {name}")
+    return parse_toml(source.read_text(encoding="utf-8"), f"preset {name}")
 
 
 def _lent(name: str) -> dict[str, Any]:
