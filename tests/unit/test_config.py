@@ -58,8 +58,13 @@ def test_a_study_starts_from_a_preset(tmp_path):
     assert load_study(path).config.melt == PAPER.melt
 
 
-def test_a_preset_does_not_say_what_is_computed(tmp_path):
-    assert load_study(study(tmp_path, 'preset = "paper"')).config.study.parts == ("bead",)
+def test_a_preset_says_what_is_computed_too(tmp_path):
+    written = study(tmp_path, 'preset = "paper"\n[voids]\nmoisture = "0.17 %"')
+    assert load_study(written).config == PAPER
+    with pytest.raises(ConfigError, match=r"^voids\.moisture = 17 %: must be at most"):
+        load_study(study(tmp_path, 'preset = "paper"\n[voids]\nmoisture = "17 %"'))
+    own = load_study(study(tmp_path, 'preset = "paper"\nstudy.parts = ["bead"]'))
+    assert own.config.study.parts == ("bead",)
     assert "orbits" in load_study("sensitivity").config.study.parts
     assert "bead" not in load_study("sensitivity").config.study.parts
 
@@ -433,8 +438,8 @@ def test_a_bound_has_a_known_name():
 
 
 def test_a_preset_lends_what_it_has_from_another(tmp_path):
-    """`nozzle` has the paper's parameters, but neither its sweep nor its parts are lent."""
+    """`nozzle` has the paper's parameters and its own parts; its sweep is not lent."""
     lent = load_study(study(tmp_path, 'preset = "nozzle"'))
     assert lent.sweep is None
-    assert lent.config.study.parts == ("bead",)
+    assert lent.config.study.parts == ("bead", "claims")
     assert lent.config.interaction.convention == PAPER.interaction.convention == "paper"

@@ -24,9 +24,6 @@ from fibermelt.study.syntax import parse_toml, read_toml
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
-OWN_TABLES = ("study", "sweep")
-"""Tables that a study does not take from its preset."""
-
 _LONGEST_PATH = 200
 
 
@@ -48,6 +45,8 @@ class Study:
         Its tables as written, presets and overrides included.
     sweep : dict, optional
         Its table ``[sweep]``, as written.
+    own : tuple of str
+        The tables that it has itself, overrides included, and not from a preset.
     """
 
     name: str
@@ -56,6 +55,7 @@ class Study:
     path: Path | None = None
     tables: Mapping[str, Any] = field(default_factory=dict)
     sweep: Mapping[str, Any] | None = None
+    own: tuple[str, ...] = ()
 
 
 def preset_names() -> list[str]:
@@ -89,6 +89,7 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     overriding = read_overrides(overrides)
     for table in overriding:
         tables = merged(tables, table)
+    own = tuple(dict.fromkeys(key for table in ([tables] if file else overriding) for key in table))
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
             msg = (
@@ -115,6 +116,7 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
         path=file if file and file.is_file() else None,
         tables=tables,
         sweep=sweep,
+        own=own,
     )
 
 
@@ -192,12 +194,12 @@ def _preset(name: str) -> dict[str, Any]:
 def _lent(name: str) -> dict[str, Any]:
     """Return the parameters of a shipped study, those that it has from another included.
 
-    What is computed with them is the borrowing study's own to say.
+    Its table ``[sweep]`` is not lent: a study that says of nothing that it varies is one study.
     """
     tables = _preset(name)
     base = tables.pop("preset", None)
-    own = {key: table for key, table in tables.items() if key not in OWN_TABLES}
-    return merged(_lent(base), own) if base else own
+    tables.pop("sweep", None)
+    return merged(_lent(base), tables) if base else tables
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
