@@ -35,6 +35,12 @@ MINUS = "\N{MINUS SIGN}"
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 """Raised digits, as the report's page writes ``kg/m³``, to those of ``kg/m3``."""
 
+_PRODUCT = str.maketrans("·⋅∙", "***")
+"""Dots of a product: the middle dot, the operator of Unicode, which is not the same, the bullet."""
+
+_SIGNS = {"℃": "degC", "°C": "degC", "°": "deg", "%": "percent"}
+"""Signs to the names that the unit library has for them, the longer ones first."""
+
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
 
@@ -59,8 +65,9 @@ def _registry() -> UnitRegistry[float]:
 
 def _pint_unit(unit: str) -> str:
     """Return a unit as the unit library spells it: ``m3`` is ``m^3``, ``Pa·s`` a product."""
-    spelled = unit.strip().replace("·", "*").replace("**", "^")
-    spelled = spelled.replace("°C", "degC").replace("°", "deg").replace("%", "percent")
+    spelled = unit.strip().translate(_PRODUCT).replace("**", "^")
+    for sign, name in _SIGNS.items():
+        spelled = spelled.replace(sign, name)
     spelled = spelled.translate(_RAISED)
     if len(spelled) > LONGEST or not _UNIT.fullmatch(spelled):
         raise ValueError(unit)

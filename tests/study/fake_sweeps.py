@@ -24,6 +24,7 @@ from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.runner import run_sweep
 
 SWEPT = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["2 mm", "3 mm", "3.5 mm", "4 mm"]
 "fiber.aspect_ratio" = { from = 2, to = 10, count = 24 }

@@ -21,7 +21,7 @@ def fibermelt(*arguments):
 
 def test_validate(tmp_path):
     study = tmp_path / "mine.toml"
-    study.write_text('preset = "paper"\n[flow]\ngap = "3.5 mm"\n')
+    study.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[flow]\ngap = "3.5 mm"\n')
     done = fibermelt("validate", study)
     assert (done.exit_code, done.stderr) == (0, "")
     # Where the line is broken depends on how long the path is.
@@ -29,6 +29,14 @@ def test_validate(tmp_path):
     done = fibermelt("validate", study, "-s", "fiber.aspect_ratio=8", "--json")
     resolved = json.loads(done.stdout)
     assert (resolved["flow.gap"], resolved["fiber.aspect_ratio"]) == (0.0035, 8.0)
+
+
+def test_a_table_without_effect_is_told(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[voids]\nmoisture = 0.001\n')
+    done = fibermelt("validate", study)
+    assert done.exit_code == 0
+    assert done.stderr.startswith("warning: [voids] is read by no part of this study")
 
 
 def test_defaults():

@@ -16,6 +16,7 @@ from fibermelt.cli import app
 from fibermelt.study.chain import CHAIN
 
 SMALL = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["2 mm", "3 mm"]
 "fiber.aspect_ratio" = [4, 6, 8]
@@ -143,7 +144,8 @@ def test_a_grid_is_collected_over_its_axes(tmp_path):
 
 def test_other_designs_are_collected_over_their_cases(tmp_path):
     text = (
-        'preset = "paper"\n[sweep]\n"fiber.aspect_ratio" = { low = 2, high = 10 }\n'
+        'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n'
+        '"fiber.aspect_ratio" = { low = 2, high = 10 }\n'
         '"flow.gap" = { low = "3 mm", high = "4 mm" }\ndesign = "latin-hypercube"\nsamples = 5\n'
     )
     _, out, _ = swept(tmp_path, text)

@@ -19,6 +19,7 @@ from fibermelt.study.sweep.store import CaseStore
 
 SAMPLES, RATE = 64, 2.0
 SWEPT = f"""preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "fiber.aspect_ratio" = {{ scale = 7, shape = 2, between = [1, 50] }}
 design = "sobol"

@@ -12,6 +12,7 @@ from fibermelt.study.loading import load_study
 from fibermelt.study.sweep.design import read_sweep
 
 FAKE = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["2 mm", "3 mm"]
 "fiber.aspect_ratio" = [4, 6, 8]

@@ -27,6 +27,7 @@ GAPS = (3.0, 3.9, 5.0, 6.4)
 """Each within reach of the next only: the second is the root, and one way has two steps [mm]."""
 
 SWEPT = f"""preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = {[f"{gap} mm" for gap in GAPS]}
 "fiber.aspect_ratio" = [4, 8]

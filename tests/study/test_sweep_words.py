@@ -19,12 +19,14 @@ from fibermelt.study.sweep.status import sweep_status
 from fibermelt.study.sweep.store import CaseStore
 
 GRID = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.bed_speed, flow.inlet_speed" = [["101.6 mm/s", "24 mm/s"], ["50.8 mm/s", "12 mm/s"]]
 "flow.gap" = ["2.5 mm", "3 mm", "3.5 mm"]
 """
 
 CHAINED = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["3 mm", "3.9 mm", "5 mm", "6.4 mm"]
 "fiber.aspect_ratio" = [4, 8]
@@ -270,7 +272,9 @@ def test_a_folder_is_no_file_to_collect_into(chained, tmp_path):
 
 
 def test_one_case_is_one_case(tmp_path):
-    study = fake_sweeps.study_file(tmp_path, 'preset = "paper"\n[sweep]\n"flow.gap" = ["3 mm"]\n')
+    study = fake_sweeps.study_file(
+        tmp_path, 'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n"flow.gap" = ["3 mm"]\n'
+    )
     done = fibermelt("sweep", study, "--out", tmp_path / "out", "--workers", 0)
     assert "sweep: 1 case\n" in done.stderr
     assert "sweep: 1 of 1 case done, 0 failed" in done.stderr

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 
 SMALL = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["2 mm", "3 mm"]
 "fiber.aspect_ratio" = [4, 6, 8]

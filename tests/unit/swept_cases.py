@@ -25,7 +25,7 @@ def made_up(tmp_path, table, numbers, failed=(), verdicts=None):
     functions of the point; ``failed`` are indices of cases.
     """
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n[sweep]\n{table}')
+    path.write_text(f'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n{table}')
     study = load_study(str(path))
     sweep = read_sweep(study)
     points = [dict(case.point) for case in sweep.cases()]

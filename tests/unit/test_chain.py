@@ -17,13 +17,14 @@ from fibermelt.study.claims.printed import printed_periods
 from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.config import PartName
 from fibermelt.study.files import canonical, digest
-from fibermelt.study.loading import resolve
+from fibermelt.study.loading import load_study, resolve
 from fibermelt.study.materials import load_card, material_names
 from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
 from fibermelt.study.parameters import flatten
 from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
 from fibermelt.study.stages import keys, stage_parameters
+from fibermelt.study.toml import defaults_toml
 from fibermelt.study.variables import VARIABLES, labelled
 from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
 from fibermelt.study.voids.variables import VOID_VARIABLES
@@ -167,3 +168,16 @@ def test_a_variable_without_a_unit_is_refused():
     del dataset["bead_height"].attrs["units"]
     with pytest.raises(StoreError, match="variable bead_height has no units: give it both"):
         to_bytes(dataset)
+
+
+def test_a_table_that_no_part_reads_is_told(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[voids]\nmoisture = "0.1 %"\n')
+    (line,) = CHAIN.unread(load_study(str(path)))
+    assert line.startswith('[voids] is read by no part of this study, study.parts = ["bead"]')
+    assert '"voids" reads it' in line
+    path.write_text('preset = "paper"\n[voids]\nmoisture = "0.1 %"\n')
+    assert CHAIN.unread(load_study(str(path))) == []
+    assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
+    path.write_text(defaults_toml())
+    assert CHAIN.unread(load_study(str(path))) == []

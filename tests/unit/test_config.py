@@ -1,6 +1,7 @@
 """Studies as people write them: what is accepted, and what is said of what is not."""
 
 import math
+import os
 import tomllib
 
 import pytest
@@ -57,8 +58,13 @@ def test_a_study_starts_from_a_preset(tmp_path):
     assert load_study(path).config.melt == PAPER.melt
 
 
-def test_a_preset_does_not_say_what_is_computed(tmp_path):
-    assert load_study(study(tmp_path, 'preset = "paper"')).config.study.parts == ("bead",)
+def test_a_preset_says_what_is_computed_too(tmp_path):
+    written = study(tmp_path, 'preset = "paper"\n[voids]\nmoisture = "0.17 %"')
+    assert load_study(written).config == PAPER
+    with pytest.raises(ConfigError, match=r"^voids\.moisture = 17 %: must be at most"):
+        load_study(study(tmp_path, 'preset = "paper"\n[voids]\nmoisture = "17 %"'))
+    own = load_study(study(tmp_path, 'preset = "paper"\nstudy.parts = ["bead"]'))
+    assert own.config.study.parts == ("bead",)
     assert "orbits" in load_study("sensitivity").config.study.parts
     assert "bead" not in load_study("sensitivity").config.study.parts
 
@@ -90,6 +96,7 @@ ONE_LINE = [
     ("[flow]\ngapp = 3", r"^flow\.gapp: unknown key; did you mean flow\.gap\?$"),
     ("[flwo]\ngap = 3", r"^flwo: unknown key; did you mean \[flow\]\?$"),
     ("[melt]\ngap = 3", r"^melt\.gap: unknown key; did you mean flow\.gap\?$"),
+    ('"flow.gap" = 3', r'^"flow\.gap": is one key in quotes: write gap under \[flow\]'),
     ("gap = 3", r"^gap: unknown key; did you mean flow\.gap\?$"),
     ("zzz = 3", r"^zzz: unknown key; `fibermelt defaults` prints every key there is$"),
     ('[flow]\ngap = "3 s"', r'^flow\.gap = "3 s": .*time, not length.* m, such as "3 mm"$'),
@@ -171,7 +178,7 @@ ONE_LINE = [
     ("[flow]\ngap = " + "1" * 5000, r"study\.toml: holds a number that is not finite: it has more"),
     ("[flow]\ngap = 0x" + "f" * 5000, r"^flow\.gap = \.\.\.: is not finite"),
     ("preset = 0x" + "f" * 5000, r"^preset = \.\.\.: must be the name of a shipped study"),
-    ("gap = " + "[" * 5000, r"study\.toml: is nested too deeply to be a study"),
+    ("gap = " + "[" * 5000, r"study\.toml: is nested too deeply: a parameter"),
     ("gap" * 2000 + " = 3", r"^(gap){19}\.\.\.: unknown key"),
     ('"ga\\np\\u001b" = 3', r"^ga\\np\\x1b: unknown key"),
     (
@@ -247,6 +254,51 @@ def test_bounds_are_within():
 def test_the_range_of_a_parameter_is_its_tightest():
     (domain_size,) = (item for item in EVERY if item.key == "fiber.domain_size")
     assert domain_size.range == 'at least 2.01 and at most 200 or "from-content"'
+
+
+TABLES = sorted({item.key.partition(".")[0] for item in declarations(Config)})
+WORDED = [item for item in declarations(Config) if item.words]
+
+
+@pytest.mark.parametrize("table", TABLES)
+@pytest.mark.parametrize("value", ["[{}]", "[1]", "[]"])
+def test_a_list_of_tables_is_no_table(tmp_path, table, value):
+    says = rf"^{table} = \[.*\]: is a table of parameters: write \[{table}\]$"
+    for source, overrides in (
+        (study(tmp_path, f"{table} = {value}"), []),
+        ("paper", [f"{table}={value}"]),
+    ):
+        with pytest.raises(ConfigError, match=says):
+            load_study(source, overrides)
+    if value == "[{}]":
+        with pytest.raises(ConfigError, match=says):
+            load_study(study(tmp_path, f"[[{table}]]"))
+
+
+@pytest.mark.parametrize("value", ["[]", "[0.1]", '["from-card"]'])
+@pytest.mark.parametrize("item", WORDED, ids=lambda item: item.key)
+def test_a_number_or_a_word_is_no_list(tmp_path, item, value):
+    table, _, name = item.key.partition(".")
+    for source, overrides in (
+        (study(tmp_path, f"[{table}]\n{name} = {value}"), []),
+        ("paper", [f"{item.key}={value}"]),
+    ):
+        with pytest.raises(ConfigError) as raised:
+            load_study(source, overrides)
+        assert str(raised.value).startswith(f"{item.key} = [")
+        assert len(str(raised.value).splitlines()) == 1
+
+
+def test_a_study_comes_through_a_pipe(tmp_path):
+    reading, writing = os.pipe()
+    os.write(writing, b"[flow]\ngap = 0.0035\n")
+    os.close(writing)
+    try:
+        piped = load_study(f"/dev/fd/{reading}")
+    finally:
+        os.close(reading)
+    assert piped.config.flow.gap == 0.0035
+    assert piped.path is None
 
 
 def test_a_byte_order_mark_is_no_fault(tmp_path):
@@ -386,8 +438,8 @@ def test_a_bound_has_a_known_name():
 
 
 def test_a_preset_lends_what_it_has_from_another(tmp_path):
-    """`nozzle` has the paper's parameters, but neither its sweep nor its parts are lent."""
+    """`nozzle` has the paper's parameters and its own parts; its sweep is not lent."""
     lent = load_study(study(tmp_path, 'preset = "nozzle"'))
     assert lent.sweep is None
-    assert lent.config.study.parts == ("bead",)
+    assert lent.config.study.parts == ("bead", "claims")
     assert lent.config.interaction.convention == PAPER.interaction.convention == "paper"

@@ -178,7 +178,7 @@ def test_declared_examples_can_be_written():
             r'melt\.temperature = 230: must be at least 273\.16 K; .*"230 degC"$',
         ),
         ('"230 degC"', '"300 degC"', r"melt\.temperature = 300 degC: must lie between .*260 degC"),
-        ("[melt]", "[melt", "is not a card in TOML"),
+        ("[melt]", "[melt", r"toy\.toml: not TOML: .*line"),
         ("[wetting]\ncontact_angle", "[surface.more]\ncontact_angle", "surface.more: must say"),
         ("[melt]", "moisture = 3\n[melt]", "moisture: must be a table"),
     ],
@@ -197,5 +197,11 @@ def test_no_such_card(tmp_path):
         load_card(str(tmp_path))
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe")
-    with pytest.raises(ConfigError, match="is not a card in TOML"):
+    with pytest.raises(ConfigError, match="byte 0 is not UTF-8"):
         load_card(str(binary))
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path):
+    path = tmp_path / "toy.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + WHOLE.encode())
+    assert load_card(str(path)).melt == load_card(card(tmp_path, WHOLE)).melt

@@ -6,6 +6,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.study.loading import load_study
 
 SWEPT = """preset = "paper"
+study.parts = ["bead"]
 [sweep]
 "flow.gap" = ["2.5 mm", "4 mm"]
 "flow.inlet_width, flow.inlet_speed" = [["10 mm", "30 mm/s"], ["15 mm", "20 mm/s"]]

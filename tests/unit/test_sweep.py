@@ -12,7 +12,7 @@ from fibermelt.study.sweep.design import read_sweep
 
 def sweep(tmp_path, text):
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n[sweep]\n{text}')
+    path.write_text(f'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n{text}')
     return read_sweep(load_study(str(path)))
 
 
@@ -192,7 +192,7 @@ def test_what_varies_can_be_named_on_the_command_line(over, values):
 
 def test_the_command_line_adds_to_the_table_and_replaces_in_it(tmp_path):
     path = tmp_path / "swept.toml"
-    path.write_text('preset = "paper"\n[sweep]\n"flow.gap" = ["2.5 mm"]\n')
+    path.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n"flow.gap" = ["2.5 mm"]\n')
     study = load_study(str(path), over=["flow.gap=3 mm, 4 mm", "fiber.aspect_ratio=4, 6, 8"])
     assert read_sweep(study).shape == (2, 3)
 

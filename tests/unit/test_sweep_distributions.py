@@ -112,7 +112,7 @@ def test_a_difference_of_temperatures_has_no_zero():
 
 def swept(tmp_path, axes, rest='design = "latin-hypercube"\nsamples = 64'):
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n[sweep]\n{axes}\n{rest}')
+    path.write_text(f'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n{axes}\n{rest}')
     return read_sweep(load_study(str(path)))
 
 

@@ -197,7 +197,9 @@ def test_indices_are_the_same_each_time(tmp_path):
 
 def test_a_saltelli_design_needs_a_power_of_two(tmp_path):
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n[sweep]\n{sampled("saltelli", 100)}')
+    path.write_text(
+        f'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n{sampled("saltelli", 100)}'
+    )
     with pytest.raises(ConfigError, match=r"samples = 100: .* such as 64 or 128; .* 5 cases"):
         read_sweep(load_study(str(path)))
 

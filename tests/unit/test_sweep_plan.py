@@ -12,7 +12,7 @@ from fibermelt.study.sweep.plan import plan_sweep
 
 def plan(tmp_path, text, chain=CHAIN, head=""):
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n{head}\n[sweep]\n{text}')
+    path.write_text(f'preset = "paper"\nstudy.parts = ["bead"]\n{head}\n[sweep]\n{text}')
     study = load_study(str(path))
     return plan_sweep(read_sweep(study), study, chain)
 

@@ -121,7 +121,7 @@ def test_thousands_of_flows_are_settled_in_a_moment():
 
 def plan(tmp_path, text, cold=False):
     path = tmp_path / "swept.toml"
-    path.write_text(f'preset = "paper"\n[sweep]\n{text}')
+    path.write_text(f'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n{text}')
     study = load_study(str(path))
     return plan_sweep(read_sweep(study, cold=cold), study, CHAIN)
 

@@ -19,6 +19,8 @@ from fibermelt.units import parse, parse_difference, shown
         ("42 µm", "m", 42e-6),
         ("817 Pa s", "Pa s", 817.0),
         ("817 Pa·s", "Pa s", 817.0),
+        ("817 Pa\N{DOT OPERATOR}s", "Pa s", 817.0),
+        ("817 Pa\N{BULLET OPERATOR}s", "Pa s", 817.0),
         ("0.817 kPa*s", "Pa s", 817.0),
         ("1154 kg/m3", "kg/m^3", 1154.0),
         ("1.154 g/cm^3", "kg/m^3", 1154.0),
@@ -52,6 +54,7 @@ def test_degrees():
 def test_temperatures_have_an_offset():
     assert parse("230 degC", "K") == 503.15
     assert parse("230 °C", "K") == 503.15
+    assert parse("230 \N{DEGREE CELSIUS}", "K") == 503.15
 
 
 @pytest.mark.parametrize(

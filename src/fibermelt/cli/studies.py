@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -61,6 +61,7 @@ def run(
                 "fibermelt sweep, or fibermelt plan to see its cases"
             )
             raise ConfigError(msg)
+        _warn(CHAIN.unread(resolved))
         folder = results_folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
             complain(
@@ -111,12 +112,14 @@ def validate(
     parameters as resolved, in SI.
     """
     with told():
-        from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in run
+        from fibermelt.study.loading import load_study  # noqa: PLC0415
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
         from fibermelt.study.wrapping import unbroken, wrapped  # noqa: PLC0415
 
         resolved = load_study(study, sets or [], over or [])
+        _warn(CHAIN.unread(resolved))
         swept = None if resolved.sweep is None else read_sweep(resolved)
         # Drawn one by one: a case that is no valid study ends this with its reason.
         count = sum(1 for _ in swept.stream()) if swept else 1
@@ -127,6 +130,12 @@ def validate(
         what = "study" if swept is None else f"sweep of {_counted(count)} over {swept.told()}"
         shown = unbroken(legible(study, len(study)))
         say(wrapped([f"{shown}: a valid {what} ({resolved.origin})"], columns()))
+
+
+def _warn(lines: Iterable[str]) -> None:
+    """Tell what is allowed, and hardly meant, on standard error."""
+    for line in lines:
+        typer.echo(f"warning: {line}", err=True)
 
 
 def _counted(cases: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -19,15 +18,11 @@ from fibermelt.study.overrides import (
     read_overrides,
     read_varying,
     refuse_without_effect,
-    unreadable,
 )
 from fibermelt.study.parameters import excerpt
-from fibermelt.study.syntax import syntax_fault
+from fibermelt.study.syntax import parse_toml, read_toml
 
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
-
-OWN_TABLES = ("study", "sweep")
-"""Tables that a study does not take from its preset."""
 
 _LONGEST_PATH = 200
 
@@ -50,6 +45,8 @@ class Study:
         Its tables as written, presets and overrides included.
     sweep : dict, optional
         Its table ``[sweep]``, as written.
+    own : tuple of str
+        The tables that it has itself, overrides included, and not from a preset.
     """
 
     name: str
@@ -58,6 +55,7 @@ class Study:
     path: Path | None = None
     tables: Mapping[str, Any] = field(default_factory=dict)
     sweep: Mapping[str, Any] | None = None
+    own: tuple[str, ...] = ()
 
 
 def preset_names() -> list[str]:
@@ -86,11 +84,12 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     """
     path = Path(study)
     file = path if _is_study_file(path, study) else None
-    name, tables = (path.stem, _read(path)) if file else (study, _preset(study))
+    name, tables = (path.stem, read_toml(path)) if file else (study, _preset(study))
     origin = path.name if file else f"preset {name}"
     overriding = read_overrides(overrides)
     for table in overriding:
         tables = merged(tables, table)
+    own = tuple(dict.fromkeys(key for table in ([tables] if file else overriding) for key in table))
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
             msg = (
@@ -114,9 +113,10 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
         name=name,
         origin=legible(origin, len(origin)),
         config=resolve(tables),
-        path=file,
+        path=file if file and file.is_file() else None,
         tables=tables,
         sweep=sweep,
+        own=own,
     )
 
 
@@ -132,7 +132,7 @@ def replaces_another(folder: Path, config: Config) -> bool:
         The study that is to run into it.
     """
     try:
-        return resolve(_read(folder / "config.toml")) != config
+        return resolve(read_toml(folder / "config.toml")) != config
     except ConfigError:
         return False
 
@@ -155,9 +155,10 @@ def _is_study_file(path: Path, study: str) -> bool:
     """Tell a file from a shipped study, which wins over a folder of its name; refuse the rest."""
     shown = legible(study, _LONGEST_PATH)
     try:
-        if path.is_file():
-            return True
         is_folder = path.is_dir()
+        # A pipe is read like a file: /dev/stdin, or what a shell writes for <(...).
+        if path.exists() and not is_folder:
+            return True
     except OSError as error:
         msg = f"{shown}: no such study file: {(error.strerror or str(error)).lower()}"
         raise ConfigError(msg) from error
@@ -175,31 +176,6 @@ def _is_study_file(path: Path, study: str) -> bool:
     return False
 
 
-def _read(path: Path) -> dict[str, Any]:
-    shown = legible(str(path), _LONGEST_PATH)
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        msg = f"{shown}: cannot be read: {error.strerror}"
-        raise ConfigError(msg) from error
-    except UnicodeDecodeError as error:
-        msg = f"{shown}: is not a TOML file: byte {error.start} is not UTF-8 text"
-        raise ConfigError(msg) from error
-    # Some editors put a byte order mark in front, which TOML does not know.
-    return _parsed(text.removeprefix("\ufeff"), shown)
-
-
-def _parsed(text: str, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        msg = f"{where}: not TOML: {legible(syntax_fault(error, text), _LONGEST_PATH)}"
-        raise ConfigError(msg) from None
-    except (ValueError, RecursionError) as error:
-        msg = f"{where}: {unreadable(error)}"
-        raise ConfigError(msg) from None
-
-
 def _preset(name: str) -> dict[str, Any]:
     known = preset_names()
     if name not in known:
@@ -212,18 +188,18 @@ def _preset(name: str) -> dict[str, Any]:
         )
         raise ConfigError(msg)
     source = files("fibermelt.study").joinpath("presets", f"{name}.toml")
-    return _parsed(source.read_text(encoding="utf-8"), f"preset {name}")
+    return parse_toml(source.read_text(encoding="utf-8"), f"preset {name}")
 
 
 def _lent(name: str) -> dict[str, Any]:
     """Return the parameters of a shipped study, those that it has from another included.
 
-    What is computed with them is the borrowing study's own to say.
+    Its table ``[sweep]`` is not lent: a study that says of nothing that it varies is one study.
     """
     tables = _preset(name)
     base = tables.pop("preset", None)
-    own = {key: table for key, table in tables.items() if key not in OWN_TABLES}
-    return merged(_lent(base), own) if base else own
+    tables.pop("sweep", None)
+    return merged(_lent(base), tables) if base else tables
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,6 @@ A key that is left out is a hole: the card says which results it cannot give.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -37,7 +36,7 @@ from fibermelt.study.parameters import (
     excerpt,
     flatten,
 )
-from fibermelt.study.syntax import syntax_fault
+from fibermelt.study.syntax import parse_toml, read_toml
 from fibermelt.units import celsius_meant
 from fibermelt.voids.diffusion import Arrhenius
 from fibermelt.voids.han import HanConstants
@@ -166,36 +165,24 @@ def load_card(material: str) -> Card:
 
 def _read(material: str) -> dict[str, Any]:
     """Return the tables of a shipped card, or of a file."""
-    shown, shipped = legible(material, _LONGEST_PATH), material_names()
+    shipped = material_names()
+    if material in shipped:
+        file = files("fibermelt").joinpath("data", "materials", f"{material}.toml")
+        return parse_toml(file.read_text(encoding="utf-8"), material)
+    path = Path(material)
     try:
-        if material in shipped:
-            file = files("fibermelt").joinpath("data", "materials", f"{material}.toml")
-            text = file.read_text(encoding="utf-8")
-        else:
-            text = Path(material).read_text(encoding="utf-8")
-    except FileNotFoundError:
+        is_there = path.exists()
+    except OSError:
+        is_there = True  # Who reads it says what the system has against it.
+    if not is_there:
         nearest = get_close_matches(material, shipped, n=1)
         guess = f"; did you mean {nearest[0]}?" if nearest else ""
         msg = (
-            f'no material is called "{shown}"{guess} '
+            f'no material is called "{legible(material, _LONGEST_PATH)}"{guess} '
             f"(shipped: {', '.join(shipped)}; or a path to a TOML file)"
         )
-        raise ConfigError(msg) from None
-    except OSError as error:
-        msg = f"{shown}: cannot be read: {error.strerror}"
-        raise ConfigError(msg) from error
-    except UnicodeDecodeError as error:
-        msg = f"{shown}: is not a card in TOML: {legible(str(error), _LONGEST_PATH)}"
-        raise ConfigError(msg) from None
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        what = legible(syntax_fault(error, text), _LONGEST_PATH)
-        msg = f"{shown}: is not a card in TOML: {what}"
-        raise ConfigError(msg) from None
-    except (ValueError, RecursionError) as error:
-        msg = f"{shown}: is not a card in TOML: {legible(str(error), _LONGEST_PATH)}"
-        raise ConfigError(msg) from None
+        raise ConfigError(msg)
+    return read_toml(path)
 
 
 def _split(

@@ -37,13 +37,20 @@ def explain(error: ValidationError, tables: Mapping[str, Any]) -> str:
         The study as it was written: its values appear in the messages as the person wrote them.
     """
     known = {declaration.key: declaration for declaration in declarations(Config)}
-    return "\n".join(_line(fault, tables, known) for fault in error.errors())
+    # What may be a number or a word is at fault twice, and so is a list by each of its items.
+    return "\n".join(dict.fromkeys(_line(fault, tables, known) for fault in error.errors()))
 
 
 def _line(fault: ErrorDetails, tables: Mapping[str, Any], known: Mapping[str, Declaration]) -> str:
     location = [part for part in fault["loc"] if isinstance(part, str)]
+    # Behind the key pydantic names the member of a union: voids.moisture.float.
+    while len(location) > 1 and ".".join(location[:-1]) in known:
+        location.pop()
     key = ".".join(location)
     if fault["type"] == "extra_forbidden":
+        if key in known:
+            table, _, name = key.rpartition(".")
+            return f'"{key}": is one key in quotes: write {name} under [{table}], or {key} without'
         return unknown_key(key, known)
     if key not in known:
         if fault["type"] == "value_error":
@@ -67,7 +74,7 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
         # Who is told how to write this very value needs no example of another.
         wanted = f"; expected {declaration.unit}{example}" if declaration.unit else ""
         return said if "degrees Celsius" in said else f"{said}{wanted}"
-    if kind == "literal_error":
+    if kind == "literal_error" and declaration.choices:
         each = "each must be " if declaration.is_list else "must be "
         return each + declaration.range.removeprefix("each ")
     if kind.startswith("tuple_"):

@@ -6,7 +6,6 @@ has no effect.
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -14,8 +13,9 @@ from typing import Any
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.parameters import excerpt
 from fibermelt.study.sweep.settings import SETTINGS
+from fibermelt.study.syntax import unreadable
 
-__all__ = ["read_overrides", "read_varying", "refuse_without_effect", "unreadable"]
+__all__ = ["read_overrides", "read_varying", "refuse_without_effect"]
 
 DEEPEST_KEY = 10
 """Parts of an overriding key that are read; no parameter has more than two."""
@@ -176,12 +176,3 @@ def _value(text: str, where: str) -> object:
         msg = f"{where}: {unreadable(error)}"
         raise ConfigError(msg) from None
     return read["value"] if set(read) == {"value"} else text
-
-
-def unreadable(error: Exception) -> str:
-    """Return what Python refuses to read although TOML may have it."""
-    if isinstance(error, RecursionError):
-        return "is nested too deeply to be a study: a parameter is a number, a text or a list"
-    return (
-        f"holds a number that is not finite: it has more than {sys.get_int_max_str_digits()} digits"
-    )

@@ -148,6 +148,8 @@ class Section(BaseModel):
     def _units(cls, value: object, info: ValidationInfo) -> object:
         """Resolve the units of a quantity; a list in TOML is a tuple here."""
         extra = _extra(cls.model_fields[str(info.field_name)])
+        if not extra:
+            return value  # A table of its own, which says itself that it is no list.
         if isinstance(value, (list, tuple)):
             items = tuple(value)
             if extra.get("quantity"):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import legible_path
+from fibermelt.study.parameters import flatten
 from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
 from fibermelt.study.wrapping import WIDTH, unbroken, wrapped
@@ -79,6 +80,32 @@ class Chain:
             if stage.name in wanted:
                 wanted.update(stage.fed(values))
         return tuple(stage for stage in self.stages if stage.name in wanted)
+
+    def unread(self, study: Study) -> list[str]:
+        """Return a line for each table that a study has and none of its parts reads.
+
+        What has every table is a resolved copy or the defaults: nobody chose its tables.
+        """
+        parts, values = study.config.study.parts, flatten(study.config)
+        tables = [] if set(study.own) >= set(type(study.config).model_fields) else study.own
+        asked = ", ".join(f'"{name}"' for name in parts)
+        lines = []
+        for table in tables:
+            readers = [
+                part.name for part in self.parts if table in self._tables([part.name], values)
+            ]
+            # What names the parts is read, whoever they are.
+            if table != "study" and readers and table not in self._tables(parts, values):
+                lines.append(
+                    f"[{table}] is read by no part of this study, study.parts = [{asked}]: "
+                    f'"{readers[0]}" reads it: name that too, or leave the table away'
+                )
+        return lines
+
+    def _tables(self, names: Collection[str], values: Mapping[str, Value]) -> set[str]:
+        """Return the tables that the stages of some parts read."""
+        stages = self.needed(names, values)
+        return {key.partition(".")[0] for stage in stages for key in stage.parameters}
 
 
 def in_words(
