@@ -18,6 +18,7 @@ from fibermelt.study.bead.summary import bead_in_words, summarize_bead
 from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
 from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
+from fibermelt.study.melt import LAW
 from fibermelt.study.orientation.interaction import interaction_stage
 from fibermelt.study.orientation.stages import content_stage, orientation_stage, stall_stage
 from fibermelt.study.orientation.summary import (
@@ -59,10 +60,10 @@ _CELL_PARAMETERS = (
     "numerics.cell_mesh",
     "numerics.cell_order",
 )
-_STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
+_STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
-    "melt.viscosity",
+    LAW,
     "fiber.path",
     "fiber.initial_angles",
     "fiber.directions",
@@ -102,7 +103,7 @@ CHAIN = Chain(
         Stage(
             "flow",
             3,
-            ("flow", "melt", *FLOW_NUMERICS),
+            ("flow", LAW, *FLOW_NUMERICS),
             (),
             flow_stage,
             compute_from=flow_from,

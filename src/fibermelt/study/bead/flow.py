@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.melt import law_of
 from fibermelt.study.stages import Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -61,11 +62,10 @@ FIELDS = ("velocity", "pressure", "gradient", "stream_function", "gradient_error
 def _problem(parameters: Parameters) -> Deposition:
     """Return the deposition problem of a study."""
     from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
-    from fibermelt.melt import Newtonian  # noqa: PLC0415
 
     flow = parameters.section("flow")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
-    return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(parameters["melt.viscosity"]), **speeds)
+    return Deposition(nozzle=Nozzle(**flow), melt=law_of(parameters), **speeds)
 
 
 def start_from(flow: xr.Dataset) -> StartShape:
@@ -127,7 +127,7 @@ def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
     kept = {
         key: value
         for key, value in parameters.items()
-        if key not in speeds and not key.startswith("melt.")
+        if key not in speeds and key != "law.viscosity"
     }
     return {**kept, "flow.speed_ratio": speed_ratio(*(parameters[key] for key in speeds))}
 
