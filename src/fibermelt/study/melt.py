@@ -6,7 +6,7 @@ same constants changes no result, and one with other constants is computed anew.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.material_values import CONSTANTS, Constants
@@ -105,16 +105,14 @@ def melt_of(config: Config) -> Melt:
     )
     where = [origin.text for key, origin in card.provenance.items() if key.startswith("viscosity.")]
     has_rates = is_cards and known.slowest is not None and known.fastest is not None
-    assert table.temperature is not None
-    assert table.density is not None
     return Melt(
         name=card.name,
         law=LAWS[str(law.pop("name"))](**law),
-        temperature=table.temperature,
+        temperature=table.kelvin,
         measured_at=_held_at(table),
         rates=(known.slowest, known.fastest) if has_rates else None,  # type: ignore[arg-type]
         temperatures=card.melt.temperatures,
-        density=table.density,
+        density=cast("float", table.density),
         sources=tuple(dict.fromkeys(where)) if is_cards else ("the study",),
     )
 
@@ -126,7 +124,7 @@ def melt_notes(config: Config) -> list[str]:
         return []
     return [
         f"the viscosity is that of {at - ZERO_CELSIUS:g} degC, the melt's temperature "
-        f"{table.temperature - ZERO_CELSIUS:g} degC: nothing tells how it follows the temperature; "
+        f"{table.kelvin - ZERO_CELSIUS:g} degC: nothing tells how it follows the temperature; "
         "give melt.activation_temperature, or the constants at that temperature"
     ]
 
@@ -193,8 +191,8 @@ def refuse_unphysical(table: MeltTable, fastest: float) -> None:
 
 def _held_at(table: MeltTable) -> float | None:
     """Return the temperature [K] that the constants stay at; None if they are at the melt's."""
-    at, temperature = table.law_temperature, table.temperature
-    if at is None or temperature is None or table.activation_temperature:
+    at, temperature = table.law_temperature, table.kelvin
+    if at is None or table.activation_temperature:
         return None
     return None if abs(at - temperature) <= SAME_TEMPERATURE * temperature else at
 
@@ -206,9 +204,9 @@ def _at_temperature(table: MeltTable) -> dict[str, float | str]:
     """
     if table.missing:
         return {"name": ""}
-    name, temperature, at = str(table.law), table.temperature, table.law_temperature
+    name, temperature, at = str(table.law), table.kelvin, table.law_temperature
     constants = {key: getattr(table, key) for key in CONSTANTS[name]}
-    if name != "cross-wlf" and (at == temperature or not table.activation_temperature):
+    if name != "cross-wlf" and (at in (None, temperature) or not table.activation_temperature):
         return {"name": name, **constants}
     from fibermelt.melt import LAWS, CrossWLF  # noqa: PLC0415  lazy, as above
     from fibermelt.melt.temperature import ArrheniusShift  # noqa: PLC0415
@@ -216,5 +214,6 @@ def _at_temperature(table: MeltTable) -> dict[str, float | str]:
     if name == "cross-wlf":
         law: ViscosityLaw = CrossWLF(**constants, temperature=temperature).at_rest
         return {"name": "cross", **law.constants()}
-    factor = ArrheniusShift(table.activation_temperature, at).factor(temperature)
+    shift = ArrheniusShift(cast("float", table.activation_temperature), cast("float", at))
+    factor = shift.factor(temperature)
     return {"name": name, **LAWS[name](**constants).scaled(factor, factor).constants()}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.study.melt import law_of
 from fibermelt.study.stages import Inputs, Neighbour, Parameters, Say
@@ -65,7 +65,7 @@ def _problem(parameters: Parameters) -> Deposition:
 
     flow = parameters.section("flow")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
-    return Deposition(nozzle=Nozzle(**flow), melt=law_of(parameters), **speeds)
+    return Deposition(nozzle=Nozzle(**flow), melt=cast("Any", law_of(parameters)), **speeds)
 
 
 def start_from(flow: xr.Dataset) -> StartShape:

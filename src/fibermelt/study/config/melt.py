@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Self, get_args
+from typing import Any, Self, cast, get_args
 
 from pydantic import PrivateAttr, model_validator
 
@@ -79,6 +79,11 @@ class Melt(Constants, Named):
     def card(self) -> Card:
         """Return the card, as it was when the study was read."""
         return self._card
+
+    @property
+    def kelvin(self) -> float:
+        """Return the temperature [K], which a study that was read has from its card at least."""
+        return cast("float", self.temperature)
 
     @property
     def missing(self) -> tuple[str, ...]:
