@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fibermelt.flow.lagrange import LagrangeTriangle
+from fibermelt.study.materials import load_card
 from fibermelt.study.variables import labelled
 from fibermelt.study.voids.melt import moist_melt
 from fibermelt.study.voids.stages import assess_bead
@@ -44,7 +45,7 @@ def made_up(count: int = 22, angles: int = 5, points: int = 120) -> xr.Dataset:
     lines = _streamlines(count, points)
     bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell())
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
-    melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
+    melt = moist_melt(load_card("paper"), moisture=0.0004, temperature=503.15)
     return bead.merge(assess_bead(stages, 817.0, melt, layers=6)).assign_attrs(config=CONFIG)
 
 
