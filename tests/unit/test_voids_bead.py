@@ -17,6 +17,7 @@ from fibermelt.study.chain import CHAIN
 from fibermelt.study.claims.judge import claims, judge, measured
 from fibermelt.study.claims.quantities import NotStoredError
 from fibermelt.study.claims.voids import VOIDS
+from fibermelt.study.materials import load_card
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.melt import moist_melt
 from fibermelt.study.voids.profile import layer_weights

@@ -100,8 +100,8 @@ def melt_of(config: Config) -> Melt:
     refuse_incomplete(table)
     law = _at_temperature(table)
     known = card.viscosity
-    is_cards = all(
-        getattr(table, name) == getattr(known, name) for name in CONSTANTS[str(table.law)]
+    is_cards = table.law == known.law and all(
+        getattr(known, name) in (None, getattr(table, name)) for name in CONSTANTS[str(table.law)]
     )
     where = [origin.text for key, origin in card.provenance.items() if key.startswith("viscosity.")]
     has_rates = is_cards and known.slowest is not None and known.fastest is not None
