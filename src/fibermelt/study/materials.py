@@ -90,7 +90,7 @@ class Card:
     Parameters
     ----------
     key : str
-        By what it was asked for: ``"abs-cf13"`` or a path.
+        By what it was asked for: ``"paper"`` or a path.
     name : str
         What the material is called.
     melt : VolatileMelt

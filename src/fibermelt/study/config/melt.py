@@ -32,8 +32,8 @@ class Named(Section):
 
     material: str = setting(
         "paper",
-        "Material card: the name of a shipped one, or the path of a TOML file, from the working "
-        "directory. What is not said below is the card's.",
+        "Material card: the path of a TOML file, from the working directory, or a shipped one: "
+        f"{', '.join(material_names())}. What is not said below is the card's.",
         source=PAPER_2,
     )
     law: LawName | None = setting(
