@@ -101,7 +101,7 @@ ONE_LINE = [
     ("flow = 3", r"^flow = 3: is a table of parameters: write \[flow\]$"),
     (
         "[melt]\ntemperature = 230",
-        r"^voids\.temperature = 230: must be at least 273\.16 K \(water's triple point\); a number "
+        r"^melt\.temperature = 230: must be at least 273\.16 K \(water's triple point\); a number "
         r'without unit is in K: for degrees Celsius write "230 degC"$',
     ),
     ("[melt]\ntemperature = 900", r"at most 647\.096 K \(water's critical point\)$"),

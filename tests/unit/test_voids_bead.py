@@ -153,9 +153,7 @@ def test_a_melt_too_dry_for_the_threshold_has_a_rate_and_no_wetting():
 
 
 def test_a_card_with_holes_says_what_it_cannot_give():
-    voids = summarize_voids(assessed(bead(lowest=-1e6), material="pla", temperature=483.15))[
-        "voids"
-    ]
+    voids = summarize_voids(assessed(bead(lowest=-1e6), card="pla", temperature=483.15))["voids"]
     assert any("no critical time" in line for line in voids["material"]["missing"])
     assert voids["streamlines"][0]["critical_time"] is None
     assert voids["streamlines"][0]["critical_radius"] > 0.0
