@@ -13,7 +13,7 @@ import numpy as np
 from fibermelt.study.materials import load_card
 from fibermelt.voids import ATMOSPHERE, saturation_pressure
 
-card = load_card("abs-cf13")  # the paper's melt; every value has its source, or is an estimate
+card = load_card("paper")  # the paper's melt; every value has its source, or is an estimate
 temperature = card.temperature  # 230 degC, in K
 vapor = float(card.melt.vapor_pressure(card.moisture, temperature))
 print(

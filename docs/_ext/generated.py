@@ -134,6 +134,31 @@ def studies() -> str:
     return "\n".join(lines)
 
 
+def materials() -> str:
+    """Return the cards that ship: the law of viscosity, and what else is known."""
+    from fibermelt.study.materials import load_card, material_names  # noqa: PLC0415  lazy
+
+    lines = []
+    for card in map(load_card, material_names()):
+        values = list(card.provenance.items())
+        told = "; ".join(
+            f"{key.removeprefix('viscosity.')} {where.written}{' (estimate)' * where.is_estimate}"
+            for key, where in values
+            if key.startswith("viscosity.")
+        )
+        sources = dict.fromkeys(where.text for key, where in values if key.startswith("viscosity."))
+        low, high = card.melt.temperatures
+        about = [
+            f"{card.name}; {low - 273.15:g} to {high - 273.15:g} degC, printed at "
+            f"{card.temperature - 273.15:g} degC; density {card.melt.density:g} kg/m^3.",
+            f"Viscosity: {told}." if told else "Viscosity: not known.",
+            f"From: {'; '.join(sources)}." if sources else "",
+            "Moisture: not known." if "isotherm" in card.melt.gaps else "",
+        ]
+        lines += [f"`{card.key}`", f": {_text(_one_line(' '.join(about)))}", ""]
+    return "\n".join(lines)
+
+
 def closures() -> str:
     """Return every closure: where it was published and what it is meant for."""
     from fibermelt.orientation.closures import CLOSURES  # noqa: PLC0415  lazy, as in parameters
@@ -176,6 +201,7 @@ GENERATED: Mapping[str, Callable[[], str]] = {
     "bibliography": bibliography,
     "closures": closures,
     "commands": commands,
+    "materials": materials,
     "names": names,
     "parameters": parameters,
     "studies": studies,

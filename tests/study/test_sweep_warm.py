@@ -233,7 +233,7 @@ EXACT = ("node_x", "node_y", "node_velocity", "upstream_surface", "downstream_su
 def test_a_flow_of_another_melt_is_as_good_as_solved(real):
     """Shape and velocity agree to the last bit, the rest to rounding: sums in threads' order."""
     other, data = stored(real, "flow")
-    one = Parameters({**other, "melt.viscosity": 123.0, "melt.density": 900.0})
+    one = Parameters({**other, "law.viscosity": 123.0})
     said = []
     scaled, is_from_it = flow_from(one, {}, said.append, Neighbour(other, data))
     assert is_from_it

@@ -228,9 +228,9 @@ def test_a_plan_says_what_it_cannot_foretell(costly, tmp_path):
 
 
 def test_a_plan_has_the_units_and_words_of_a_study(tmp_path):
-    text = CHAINED.replace('"fiber.aspect_ratio" = [4, 8]', '"voids.temperature" = ["225 degC"]')
+    text = CHAINED.replace('"fiber.aspect_ratio" = [4, 8]', '"melt.temperature" = ["225 degC"]')
     told = fibermelt("plan", fake_sweeps.study_file(tmp_path, text), "--out", tmp_path / "o").stdout
-    assert "flow.gap = 6.4 mm, voids.temperature = 225 °C\n" in told
+    assert "flow.gap = 6.4 mm, melt.temperature = 225 °C\n" in told
     assert re.search(r"once the folder has some of its .*\bflow from a neighbour,", told)
     assert "warm" not in told
 

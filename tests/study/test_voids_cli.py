@@ -1,7 +1,6 @@
 """`fibermelt voids` on a finished coarse study, through the command line."""
 
 import json
-import shlex
 import shutil
 from pathlib import Path
 
@@ -93,38 +92,22 @@ def test_moisture_temperature_and_card_are_those_asked_for(finished):
     assert (other["moisture"], other["material"]["key"]) == (0.00025, "pla")
 
 
-@pytest.mark.parametrize(
-    ("options", "kelvin"),
-    [(["--temperature", "210 degC"], "483.15"), (["--material", "pla"], "483.15")],
-)
-def test_pressures_that_stay_those_of_the_run_are_said_to(finished, options, kelvin):
+@pytest.mark.parametrize("options", [["--temperature", "210 degC"], ["--material", "pla"]])
+def test_pressures_that_stay_those_of_the_run_are_said_to(finished, options):
     folder, summary = finished
     answer = asked(folder, *options)
     assert answer["lowest_pressure"] == summary["voids"]["lowest_pressure"]
-    assert answer["held"].startswith("the local pressures, those of the run's melt")
-    assert "melt.viscosity = 817 Pa s" in answer["held"]
-    command = f'run out/config.toml --set melt.viscosity=... --set voids.temperature="{kelvin} K"'
-    assert command in answer["held"]
+    assert answer["held"].startswith(
+        "the local pressures, those of the run's melt, 13 wt% CF/ABS at 503.15 K"
+    )
     words = fibermelt("voids", "out", *options, folder=folder).stdout
     assert " ".join(answer["held"].split()) in " ".join(words.split())
-    assert f"\n                fibermelt {command}" in words
 
 
 def test_nothing_is_held_of_the_melt_that_was_run(finished):
     same = ("--material", "abs-cf13", "--temperature", "230 degC", "--moisture", "0.1 %")
     assert "held" not in asked(finished[0], *same)
     assert "held" not in asked(finished[0], "--temperature", "446 degF")
-
-
-def test_the_run_that_is_told_of_is_one_that_can_be(finished):
-    """PEI melts where the study's own card ends, and has no moisture as received."""
-    folder, _ = finished
-    held = asked(folder, "--material", "pei", "--moisture", "0.05 %")["held"]
-    told = held[held.index("fibermelt run ") :].replace("melt.viscosity=...", "melt.viscosity=500")
-    _, _, study, *sets = shlex.split(told.removesuffix(" --out ..."))
-    valid = fibermelt("validate", study, *sets, folder=folder)
-    assert (valid.returncode, valid.stderr) == (0, "")
-    assert "voids.material=pei" in sets
 
 
 def test_a_card_of_ones_own(finished):
@@ -173,7 +156,7 @@ def test_no_finished_run_says_how_to_make_one(finished, tmp_path):
         (["--temperature", "230"], 'for degrees Celsius write "230 degC"'),
         (["--temperature", "190"], 'for degrees Celsius write "190 degC"'),
         (["--temperature", "300 degC"], "--temperature = 573.15 K: must be from 473.15 to 533.15"),
-        (["--material", "abs-cf31"], "did you mean abs-cf13?"),
+        (["--material", "papr"], '--material: no material is called "papr"; did you mean paper?'),
         (["--material", "pei"], "--moisture: the card of PEI has none: give one"),
     ],
 )

@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from fibermelt.flow.lagrange import LagrangeTriangle
+from fibermelt.study.materials import load_card
 from fibermelt.study.toml import as_toml
 from fibermelt.study.variables import labelled
 from fibermelt.study.voids.melt import moist_melt
@@ -91,7 +92,7 @@ def rescaled(
 def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
     """Return a bead with what its voids part finds."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
-    melt = moist_melt("abs-cf13", moisture=0.0004, temperature=503.15)
+    melt = moist_melt(load_card("paper"), moisture=0.0004, temperature=503.15)
     bare = bead.drop_vars([name for name in bead.variables if str(name).startswith("void_")])
     return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
 

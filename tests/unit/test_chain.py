@@ -18,10 +18,9 @@ from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.config import PartName
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.loading import load_study, resolve
-from fibermelt.study.materials import load_card, material_names
+from fibermelt.study.melt import values_of
 from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
-from fibermelt.study.parameters import flatten
 from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
 from fibermelt.study.stages import keys, stage_parameters
 from fibermelt.study.toml import defaults_toml
@@ -34,14 +33,17 @@ TABLES = (
     *(BEAD_VARIABLES, CLAIM_VARIABLES, ORIENTATION_VARIABLES, SENSITIVITY_VARIABLES),
     *(VOID_VARIABLES, VERIFICATION_VARIABLES),
 )
-DEFAULTS = flatten(resolve({}))
+DEFAULTS = values_of(resolve({}))
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - {"flow", "streamlines", "verification"}
 BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids", "claims"}
 
 
 def test_every_parameter_is_read_by_a_stage():
     read = {key for stage in CHAIN.stages for key in stage_parameters(stage, DEFAULTS)}
-    assert read == set(DEFAULTS) - {"study.parts"}
+    # Of the melt they read what follows from it: the law at its temperature, and the card.
+    resolved = {key for key in DEFAULTS if key.startswith("melt.")}
+    assert read - resolved == set(DEFAULTS) - resolved - {"study.parts"}
+    assert read & resolved == {"melt.temperature", "melt.density"}
 
 
 def test_no_variable_is_declared_by_two_parts():
@@ -52,11 +54,6 @@ def test_no_variable_is_declared_by_two_parts():
 def _read_of_facts():
     """Return what stages read of the package's data, besides parameters and inputs."""
     return {
-        "voids": [
-            [card.key, card.name, *([key, v.written, v.is_estimate] for key, v in known)]
-            for card in map(load_card, material_names())
-            for known in [sorted(card.provenance.items())]
-        ],
         "orbits": [astuple(line) for line in printed_periods()],
         "claims": [[claim.id, claim.quantity, claim.unit] for claim in claims()],
     }
@@ -64,7 +61,7 @@ def _read_of_facts():
 
 @pytest.mark.parametrize(
     ("stage", "version", "seal"),
-    [("voids", 1, "67fab2894ccc"), ("orbits", 2, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
+    [("orbits", 2, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
 )
 def test_facts_that_change_raise_the_version_of_their_stage(stage, version, seal):
     """No key has them: what was stored with other facts would count as up to date.
@@ -93,6 +90,12 @@ def test_stages_come_after_their_inputs():
         ("fiber.initial_angles", {"motion", "dimensions", "voids", "claims"}),
         ("numerics.isotropic_angles", {"motion", "voids", "claims"}),
         ("voids.moisture", {"voids"}),
+        ("melt.temperature", {"voids"}),
+        ("melt.density", {"voids"}),
+        (
+            "law.viscosity",
+            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"flow", "streamlines"},
+        ),
         ("study.ladder", {"verification"}),
     ],
 )

@@ -107,11 +107,11 @@ ONE_LINE = [
     ('[flow]\ngap = "-1 mm"', r'^flow\.gap = "-1 mm": must be above 0 m$'),
     ("flow = 3", r"^flow = 3: is a table of parameters: write \[flow\]$"),
     (
-        "[voids]\ntemperature = 230",
-        r"^voids\.temperature = 230: must be at least 273\.16 K \(water's triple point\); a number "
+        "[melt]\ntemperature = 230",
+        r"^melt\.temperature = 230: must be at least 273\.16 K \(water's triple point\); a number "
         r'without unit is in K: for degrees Celsius write "230 degC"$',
     ),
-    ("[voids]\ntemperature = 900", r"at most 647\.096 K \(.*expected K, such as \"230 degC\"$"),
+    ("[melt]\ntemperature = 900", r"at most 647\.096 K \(water's critical point\)$"),
     ("[fiber]\naspect_ratio = 0.5", r"^fiber\.aspect_ratio = 0\.5: must be at least 1$"),
     (
         "[fiber]\ndomain_size = 1.9",

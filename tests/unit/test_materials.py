@@ -9,11 +9,25 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.material_values import CardValues
-from fibermelt.study.materials import load_card, material_names
+from fibermelt.study.materials import card_of, load_card, material_names
 from fibermelt.study.parameters import declarations
 from fibermelt.units import parse
 
-SHIPPED = ["abs-cf13", "pei", "pla"]
+SHIPPED = [
+    "abs",
+    "abs-cf13-thinning",
+    "abs-power-law",
+    "made-up-carreau",
+    "pa66-gf30",
+    "paper",
+    "pei",
+    "pla",
+    "pla-cf14",
+    "ps",
+]
+MOIST = ["abs-cf13-thinning", "paper", "pei", "pla", "pla-cf14"]
+"""Those that say how they hold moisture."""
+
 WHOLE = """
 name = "toy"
 [melt]
@@ -51,7 +65,7 @@ def test_what_ships():
     assert material_names() == SHIPPED
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", MOIST)
 def test_shipped_cards_give_margins_and_say_what_they_cannot(name):
     found = load_card(name)
     melt, T = found.melt, found.temperature
@@ -72,15 +86,17 @@ def test_shipped_cards_give_margins_and_say_what_they_cannot(name):
 def test_every_value_of_a_card_says_where_it_is_from(name):
     text = files("fibermelt").joinpath("data", "materials", f"{name}.toml").read_text("utf-8")
     tables = tomllib.loads(text)
-    keys = {f"{s}.{k}" for s, table in tables.items() if s != "name" for k in table}
+    own = {f"{s}.{k}" for s, table in tables.items() if s not in {"name", "like"} for k in table}
     found = load_card(name)
+    lent = load_card(tables["like"]).provenance if "like" in tables else {}
+    keys = own | {key for key in lent if not key.startswith("viscosity.")}
     assert set(found.provenance) == keys
     assert all(len(where.text) > 8 for where in found.provenance.values())
     assert set(found.estimates) < keys
 
 
 def test_the_papers_melt():
-    found = load_card("abs-cf13")
+    found = load_card("paper")
     assert found.temperature == 503.15
     assert found.moisture == 0.0017
     assert found.melt.density == 1154.0
@@ -126,7 +142,7 @@ def test_a_hole_names_its_keys_its_cost_and_the_way_out():
 
 
 def test_bad_input_names_the_range_and_the_remedy():
-    melt = load_card("abs-cf13").melt
+    melt = load_card("paper").melt
     with pytest.raises(
         ConfigError, match=r"moisture = 0\.75 %: must be at most 0\.5 %, saturation at .*; dry"
     ):
@@ -154,6 +170,9 @@ def test_a_whole_card_of_ones_own(tmp_path):
 
 def test_declared_examples_can_be_written():
     for declaration in declarations(CardValues):
+        if declaration.choices:
+            assert declaration.example in declaration.choices
+            continue
         value = parse(declaration.example, declaration.unit)
         for name, bound in declaration.bounds:
             assert value >= bound if name in {"gt", "ge"} else value <= bound
@@ -191,8 +210,8 @@ def test_faults(tmp_path, old, new, says):
 
 
 def test_no_such_card(tmp_path):
-    with pytest.raises(ConfigError, match=r'"abs-cf".*did you mean abs-cf13\? \(shipped: abs-cf13'):
-        load_card("abs-cf")
+    with pytest.raises(ConfigError, match=r'"papr".*did you mean paper\? \(shipped: abs, abs-'):
+        load_card("papr")
     with pytest.raises(ConfigError, match="cannot be read"):
         load_card(str(tmp_path))
     binary = tmp_path / "binary.toml"
@@ -205,3 +224,50 @@ def test_a_byte_order_mark_is_no_fault(tmp_path):
     path = tmp_path / "toy.toml"
     path.write_bytes(b"\xef\xbb\xbf" + WHOLE.encode())
     assert load_card(str(path)).melt == load_card(card(tmp_path, WHOLE)).melt
+
+
+def test_a_card_like_another_has_its_values_and_its_own(tmp_path):
+    whole = card(tmp_path, WHOLE)
+    own = tmp_path / "own.toml"
+    own.write_text(
+        f'name = "own"\nlike = "{whole}"\n'
+        '[surface]\ntension = { value = "30 mN/m", source = "made up" }\n'
+    )
+    found, base = load_card(str(own)), load_card(whole)
+    assert (found.name, found.melt.density) == ("own", base.melt.density)
+    assert (found.melt.surface.tension, found.melt.surface.slope) == (0.030, -7e-5)
+    assert card_of(found.key, found.text) == found
+    own.write_text(f'name = "own"\nlike = "{own}"\n')
+    with pytest.raises(ConfigError, match=r"own\.toml: like = .*: must name another card"):
+        load_card(str(own))
+
+
+def test_a_law_of_its_own_has_nothing_of_the_others():
+    """The paper's card is Newtonian: its viscosity is no constant of a power law."""
+    found = load_card("abs-cf13-thinning").viscosity
+    assert (found.law, found.viscosity, found.consistency) == ("power-law", None, 8213.0)
+
+
+def test_the_old_name_of_the_papers_melt_still_stands_for_it():
+    assert load_card("abs-cf13") == load_card("paper")
+
+
+LAW = '[viscosity]\nlaw = { value = "power-law", source = "made up" }\n'
+N = 'index = { value = 0.5, source = "made up" }\n'
+AT = 'temperature = { value = "230 degC", source = "made up" }\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[viscosity]\n" + N, r"viscosity\.law: missing; index need it"),
+        (LAW + N, r"viscosity\.temperature: missing: at which temperature"),
+        (LAW + AT + N.replace("index", "transition"), r"no constant of the law \"power-law\""),
+        (LAW + AT + N.replace("0.5", "0.0"), r"viscosity\.index = 0\.0: must be above 0"),
+        (LAW + AT + N.replace("0.5", "2.5"), r"viscosity\.index = 2\.5: must be at most 2"),
+        (LAW.replace("power-law", "bingham"), r'law = bingham: must be "newtonian" or "power-law"'),
+    ],
+)
+def test_faults_of_a_law(tmp_path, text, says):
+    with pytest.raises(ConfigError, match=says):
+        load_card(card(tmp_path, WHOLE + text))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from turned_fibers import PARAMETERS, compared, turned
+from turned_fibers import PARAMETERS, compared, declared, turned
 
 from fibermelt.study.claims.printed import printed_period, printed_periods
 from fibermelt.study.sensitivity.dimensions import feature_rows
@@ -23,7 +23,7 @@ from fibermelt.study.stages import Parameters
 
 ROUNDING = 1e-12
 
-MU, RATE = PARAMETERS["melt.viscosity"], PARAMETERS["sensitivity.shear_rate"]
+MU, RATE = PARAMETERS["law.viscosity"], PARAMETERS["sensitivity.shear_rate"]
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def _cases(numbers: dict[str, Any], sweep: str) -> list[dict[str, Any]]:
 
 
 def test_cases_are_the_base_and_each_value_once() -> None:
-    cases = orbit_cases(Parameters({key: PARAMETERS[key] for key in ORBITS_PARAMETERS}))
+    cases = orbit_cases(declared(ORBITS_PARAMETERS))
     assert [case.sweep for case in cases] == [
         "base",
         *(3 * ["aspect_ratio"]),

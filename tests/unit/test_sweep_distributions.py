@@ -134,7 +134,7 @@ def test_values_have_the_units_of_what_varies(tmp_path):
         tmp_path,
         '"fiber.half_length" = { edges = ["20 um", "40 um"], counts = [1] }\n'
         '"flow.gap" = { mean = "3 mm", std = "0.2 mm", between = ["2.8 mm", "3.2 mm"] }\n'
-        '"voids.temperature" = { mean = "230 degC", std = "5 degC" }',
+        '"melt.temperature" = { mean = "230 degC", std = "5 degC" }',
     )
     length, gap, temperature = (
         np.array([row[axis.name] for row in found.settings()]) for axis in found.axes

@@ -46,7 +46,7 @@ def test_a_table_has_units_that_people_write(tmp_path):
 
 
 def test_degrees_have_a_zero_of_their_own(tmp_path):
-    text = '"voids.temperature" = ["220 degC", "503.15 K"]'
+    text = '"melt.temperature" = ["220 degC", "503.15 K"]'
     (temperature,) = sweep_table(made_up(tmp_path, text, {})).axes
     assert temperature.values == pytest.approx([220, 230], abs=1e-9)
     assert temperature.written(temperature.values[1]) == "230 °C"

@@ -280,12 +280,12 @@ def with_melt(collected, names, kelvin):
 @pytest.mark.parametrize(
     ("names", "kelvin", "told"),
     [
-        (["ABS"] * 6, [503.15] * 6, "ABS (voids.material = abs) at 230°C"),
-        (["ABS"] * 5 + [""], [503.15] * 5 + [np.nan], "ABS (voids.material = abs) at 230°C"),
+        (["ABS"] * 6, [503.15] * 6, "ABS (melt.material = abs) at 230°C"),
+        (["ABS"] * 5 + [""], [503.15] * 5 + [np.nan], "ABS (melt.material = abs) at 230°C"),
         (
             ["PLA", "ABS"] * 3,
             [483.15, 503.15] * 3,
-            "PLA (voids.material = pla) or ABS (voids.material = abs) at 210 to 230°C",
+            "PLA (melt.material = pla) or ABS (melt.material = abs) at 210 to 230°C",
         ),
     ],
 )

@@ -76,7 +76,7 @@ def test_a_flow_scales_with_the_melt_and_with_both_speeds():
 
     def flow(inlet, bed, viscosity):
         speeds = {"flow.inlet_speed": inlet, "flow.bed_speed": bed}
-        return flow_but_for_scale({**nozzle, **speeds, "melt.viscosity": viscosity})
+        return flow_but_for_scale({**nozzle, **speeds, "law.viscosity": viscosity})
 
     # The paper's speeds, and a quarter of them.
     assert flow(24e-3, 101.6e-3, 817.0) == flow(6e-3, 25.4e-3, 400.0)

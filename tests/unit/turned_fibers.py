@@ -23,7 +23,8 @@ PARAMETERS: dict[str, Any] = {
     "fiber.aspect_ratio": 6.0,
     "fiber.domain_size": 4.0,
     "fiber.initial_angles": tuple(np.radians(np.arange(-90.0, 91.0, 45.0))),
-    "melt.viscosity": 817.0,
+    "law.name": "newtonian",
+    "law.viscosity": 817.0,
     "numerics.cell_order": 3,
     "numerics.angle_tolerance": 1e-6,
     "streamlines.features": (4, 10, 18),
@@ -35,10 +36,17 @@ def quiet(line: str) -> None:
     """Take progress, say nothing."""
 
 
+def declared(names: tuple[str, ...], values: dict[str, Any] = PARAMETERS) -> Parameters:
+    """Return the parameters that a stage declares by key or by table."""
+    return Parameters(
+        {k: v for k, v in values.items() if k in names or k.partition(".")[0] in names}
+    )
+
+
 def turned(**changes: Any) -> xr.Dataset:
     """Return results of "orbits"; ``domain_size=4.0`` and the like change the sensitivity table."""
     values = PARAMETERS | {f"sensitivity.{name}": value for name, value in changes.items()}
-    return orbits_stage(Parameters({k: values[k] for k in ORBITS_PARAMETERS}), {}, quiet)
+    return orbits_stage(declared(ORBITS_PARAMETERS, values), {}, quiet)
 
 
 def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Dataset:
@@ -46,5 +54,5 @@ def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Data
     values = PARAMETERS | {f"sensitivity.{name}": value for name, value in changes.items()}
     cell = labelled({"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]})
     inputs = {"streamlines": made_up(count, points=60), "cell": cell}
-    parameters = Parameters({k: values[k] for k in DIMENSIONS_PARAMETERS})
+    parameters = declared(DIMENSIONS_PARAMETERS, values)
     return dimensions_stage(parameters, inputs, quiet)

@@ -20,8 +20,8 @@ def voids(
         str | None,
         typer.Option(
             metavar="CARD",
-            help="Material card: abs-cf13, pei, pla, or the path of a TOML file; the study's by "
-            "default.",
+            help="Material card: a shipped one, as `fibermelt defaults` lists them at "
+            "melt.material, or the path of a TOML file; the study's by default.",
         ),
     ] = None,
     moisture: Annotated[

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.tables import Column, number, short, table
-from fibermelt.study.config import Config
+from fibermelt.study.config import Config, Melt
 from fibermelt.study.loading import resolve
 from fibermelt.study.parameters import Declaration, declarations, flatten
 from fibermelt.units import parse
@@ -22,6 +22,9 @@ __all__ = ["account", "parameters", "title_of"]
 
 KEY = ("flow", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
+
+CARDS = frozenset(f"melt.{name}" for name in Melt.model_fields)
+"""What a melt may have none of: constants of another law, which are not shown."""
 
 LONGEST_LIST = 5
 """Items of a list that are written out; of a longer one the first two, the last, and how many."""
@@ -69,6 +72,7 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """
     del summary
     values = parameters(results)
+    defaults = flatten(Config())
     by_section: dict[str, list[Declaration]] = {}
     for declaration in declarations(Config):
         by_section.setdefault(declaration.key.partition(".")[0], []).append(declaration)
@@ -76,7 +80,7 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     parts = values["study.parts"]
     is_open = set(KEY if "bead" in parts else by_section)
     changed = sum(
-        values[item.key] != item.default for items in by_section.values() for item in items
+        values[item.key] != defaults[item.key] for items in by_section.values() for item in items
     )
     words = Markup("<p>{} {} {}</p>\n").format(
         _origin(results),
@@ -85,9 +89,15 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         if not changed
         else f"{changed} of its parameters differ{'s' if changed == 1 else ''} from the defaults.",
     )
-    shown = [_table(name, items, values) for name, items in by_section.items() if name in is_open]
+    shown = [
+        _table(name, items, values, defaults)
+        for name, items in by_section.items()
+        if name in is_open
+    ]
     folded = [
-        _table(name, items, values) for name, items in by_section.items() if name not in is_open
+        _table(name, items, values, defaults)
+        for name, items in by_section.items()
+        if name not in is_open
     ]
     if folded:
         shown.append(
@@ -110,23 +120,29 @@ def _origin(results: xr.Dataset) -> str:
     return f"{start}." if marker else ""
 
 
-def _table(name: str, items: Sequence[Declaration], values: Mapping[str, Any]) -> Markup:
+def _table(
+    name: str,
+    items: Sequence[Declaration],
+    values: Mapping[str, Any],
+    defaults: Mapping[str, Any],
+) -> Markup:
     rows = [
         (
             Markup('{} <code class="key">{}</code>').format(item.doc.removesuffix("."), item.key),
             _value(item, values[item.key]),
-            _mark(item, values[item.key]),
+            _mark(item, values[item.key], defaults[item.key]),
         )
         for item in items
+        if values[item.key] is not None or defaults[item.key] is not None or item.key not in CARDS
     ]
     return table(name.capitalize(), COLUMNS, rows)
 
 
-def _mark(item: Declaration, value: object) -> Markup:
-    if value == item.default:
+def _mark(item: Declaration, value: object, default: object) -> Markup:
+    if value == default:
         return Markup('<span class="mark">default</span>')
     mark = Markup('<strong class="mark set">set</strong> <span class="was">default {}</span>')
-    return mark.format(_value(item, item.default))
+    return mark.format(_value(item, default))
 
 
 def _value(item: Declaration, value: object) -> str:

@@ -56,6 +56,10 @@ def answer(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
             for question, told in asked
         )
         lines.append(Markup('<dl class="answer">\n{}</dl>\n').format(items))
+    lines += [
+        Markup('<p class="fine">Mind that {}.</p>\n').format(note)
+        for note in summary.get("notes", ())
+    ]
     if listed := summary.get("claims"):
         words = Markup('<p class="fine">Of {} statements of the paper: {} (<a href="#claims">')
         lines.append(words.format(len(listed), tally(listed)) + Markup("each of them</a>).</p>\n"))
@@ -72,7 +76,7 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
         f"A bead {number(MM * summary['flow']['bead_height'], 3)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
         f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
-        f"{short(values['melt.viscosity'])} Pa s; fibers {short(length)} µm long, of aspect "
+        f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect "
         f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
         f"{count} streamline{'' if count == 1 else 's'}."
     )
@@ -81,6 +85,13 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
 def _width(results: xr.Dataset) -> float:
     """Return the capillary's width [m]."""
     return float(parameters(results)["flow.capillary_width"])
+
+
+def _viscosity(values: Mapping[str, Any]) -> str:
+    """Return the viscosity of a Newtonian melt, or the law of another."""
+    if values["melt.law"] != "newtonian":
+        return f"{values['melt.law']} viscosity"
+    return f"{short(values['melt.viscosity'])} Pa s"
 
 
 def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, str]]:

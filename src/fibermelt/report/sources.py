@@ -139,7 +139,7 @@ USES = (
     Use(
         "sugden1924",
         "surface tension from the parachor",
-        lambda values: _voids(values) and values["voids.material"] == "pla",
+        lambda values: _voids(values) and values["melt.material"] == "pla",
     ),
     Use("dormand1980", "steps along streamlines and of tensors", _has("bead", "orientation")),
     Use("schoberl1997", "meshes, and with NGSolve the finite elements", _always),

@@ -20,6 +20,7 @@ from fibermelt.study.bead.summary import bead_in_words, summarize_bead
 from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
 from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
+from fibermelt.study.melt import LAW
 from fibermelt.study.orientation.interaction import interaction_stage
 from fibermelt.study.orientation.stages import (
     content_stage,
@@ -67,10 +68,10 @@ _CELL_PARAMETERS = (
     "numerics.cell_mesh",
     "numerics.cell_order",
 )
-_STREAMLINE_PARAMETERS = ("flow", "melt", "streamlines.count", "streamlines.points")
+_STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
-    "melt.viscosity",
+    LAW,
     "fiber.path",
     "fiber.initial_angles",
     "fiber.directions",
@@ -109,8 +110,8 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            4,
-            ("flow", "melt", *FLOW_NUMERICS),
+            5,
+            ("flow", LAW, *FLOW_NUMERICS),
             (),
             flow_stage,
             compute_from=flow_from,
@@ -119,7 +120,7 @@ CHAIN = Chain(
         ),
         Stage(
             "streamlines",
-            1,
+            2,
             _STREAMLINE_PARAMETERS,
             ("flow",),
             streamlines_stage,

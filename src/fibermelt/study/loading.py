@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
+from fibermelt.study.config.melt import melted
 from fibermelt.study.messages import explain
 from fibermelt.study.overrides import (
     read_overrides,
@@ -203,12 +204,15 @@ def _lent(name: str) -> dict[str, Any]:
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``base`` with the keys of ``over``, table by table."""
+    """Return ``base`` with the keys of ``over``, table by table.
+
+    Another melt, or another law, begins anew: `fibermelt.study.config.melt.melted`.
+    """
     both = dict(base)
     for key, value in over.items():
         below = both.get(key)
         if isinstance(below, Mapping) and isinstance(value, Mapping):
-            both[key] = merged(below, value)
+            both[key] = merged(melted(below, value) if key == "melt" else below, value)
         else:
             both[key] = value
     return both

@@ -1,4 +1,4 @@
-"""Material cards: what is known of a melt for voids, with the source of every value.
+"""Material cards: what is known of a melt, with the source of every value.
 
 A card is a TOML file. Each value is a table of its own that says where it comes from::
 
@@ -6,13 +6,16 @@ A card is a TOML file. Each value is a table of its own that says where it comes
     tension = { value = "38.5 mN/m", source = "..." }                 # read in a source
     slope = { value = "-0.07 mN/(m K)", estimate = "most polymers" }  # or estimated, and on what
 
-A key that is left out is a hole: the card says which results it cannot give.
+A key that is left out is a hole: the card says which results it cannot give. A card that begins
+with ``like = "paper"`` has all values of that one but those that it says itself; with a law of
+viscosity of its own it has nothing of that one's.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
@@ -28,6 +31,7 @@ from fibermelt.study.material_values import (
     IsothermValues,
     SolutionValues,
     SurfaceValues,
+    ViscosityValues,
 )
 from fibermelt.study.parameters import (
     BOUNDS,
@@ -44,7 +48,7 @@ from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.surface_tension import LinearTension
 from fibermelt.voids.vapor import ActivityLaw, Isotherm
 
-__all__ = ["Card", "Provenance", "load_card", "material_names"]
+__all__ = ["Card", "Provenance", "card_of", "load_card", "material_names"]
 
 _LONGEST_PATH = 200
 _RANGE_FAULTS = dict(
@@ -52,6 +56,8 @@ _RANGE_FAULTS = dict(
 )
 """What pydantic calls a broken bound, in the order of `BOUNDS`."""
 
+RENAMED = {"abs-cf13": "paper"}
+"""Cards by a name that they had."""
 
 _NEEDED = ("melt.density", "melt.temperature", "melt.coldest", "melt.hottest")
 """Keys that no card can do without."""
@@ -83,7 +89,7 @@ class Card:
     Parameters
     ----------
     key : str
-        By what it was asked for: ``"abs-cf13"`` or a path.
+        By what it was asked for: ``"paper"`` or a path.
     name : str
         What the material is called.
     melt : VolatileMelt
@@ -94,6 +100,10 @@ class Card:
         As received [-]; None where the card does not say.
     provenance : mapping
         Where each value comes from, by its key: ``{"surface.tension": ...}``.
+    viscosity : ViscosityValues
+        The law of viscosity, in SI; None for what the card does not say.
+    text : str
+        All that the card says, as `card_of` reads it again.
     """
 
     key: str
@@ -102,6 +112,8 @@ class Card:
     temperature: float
     moisture: float | None
     provenance: Mapping[str, Provenance]
+    viscosity: ViscosityValues = field(default_factory=ViscosityValues)
+    text: str = ""
 
     @property
     def estimates(self) -> list[str]:
@@ -121,7 +133,8 @@ def load_card(material: str) -> Card:
     Parameters
     ----------
     material : str
-        The name of a shipped card, such as ``"abs-cf13"``, or the path of a TOML file.
+        The name of a shipped card, such as ``"paper"``, or the path of a TOML file, from the
+        working directory.
 
     Raises
     ------
@@ -129,7 +142,36 @@ def load_card(material: str) -> Card:
         If there is no such card, it is not TOML, or a value is wrong or has no source; one line
         for each fault, that names the key, the value, the bound and the way out.
     """
+    material = RENAMED.get(material, material)
+    return _card(material, _whole(material, ()))
+
+
+def card_of(key: str, text: str) -> Card:
+    """Return the card that was asked for by ``key``, of what its ``text`` says."""
+    return _card(key, json.loads(text))
+
+
+def _whole(material: str, above: tuple[str, ...]) -> dict[str, Any]:
+    """Return the tables of a card, those that it has from another included."""
     tables = _read(material)
+    like = tables.pop("like", None)
+    if like is None:
+        return tables
+    shown = legible(material, _LONGEST_PATH)
+    if not isinstance(like, str) or like in (*above, material):
+        msg = f'{shown}: like = {excerpt(like)}: must name another card, such as like = "paper"'
+        raise ConfigError(msg)
+    whole = _whole(RENAMED.get(like, like), (*above, material))
+    for name, table in tables.items():
+        is_law = name == "viscosity" and isinstance(table, Mapping) and "law" in table
+        both = isinstance(table, Mapping) and isinstance(whole.get(name), Mapping)
+        whole[name] = {**whole[name], **table} if both and not is_law else table
+    return whole
+
+
+def _card(material: str, tables: Mapping[str, Any]) -> Card:
+    """Return the card of what a file says, checked."""
+    tables = dict(tables)
     name = tables.pop("name", None)
     shown = legible(material, _LONGEST_PATH)
     if not isinstance(name, str) or not name:
@@ -153,6 +195,9 @@ def load_card(material: str) -> Card:
             f"{provenance['melt.hottest'].written}"
         )
         raise ConfigError(msg)
+    if fault := card.viscosity.fault():
+        msg = f"{shown}: {fault}"
+        raise ConfigError(msg)
     return Card(
         key=material,
         name=name,
@@ -160,6 +205,8 @@ def load_card(material: str) -> Card:
         temperature=melt.temperature,
         moisture=melt.moisture,
         provenance=provenance,
+        viscosity=card.viscosity,
+        text=json.dumps({"name": name, **tables}, sort_keys=True),
     )
 
 
@@ -234,6 +281,8 @@ def _line(fault: ErrorDetails, values: Mapping[str, Any], known: Mapping[str, De
         bound = f"{dict(declaration.bounds)[name]:g} {declaration.unit}".rstrip()
         meant = celsius_meant(fault["input"], declaration.unit)
         return f"{written}: must be {BOUNDS[name]} {bound}{meant}"
+    if kind == "literal_error":
+        return f"{written}: must be {declaration.range}"
     reason = fault["ctx"]["error"] if kind == "value_error" else "is no quantity"
     return f'{written}: {reason}; write it as "{declaration.example}"'
 

@@ -14,6 +14,7 @@ from fibermelt.errors import legible
 from fibermelt.study.config import Config
 from fibermelt.study.parameters import BOUNDS, Declaration, declarations, excerpt
 from fibermelt.study.toml import toml_value
+from fibermelt.units import celsius_meant
 
 __all__ = ["explain", "unknown_key"]
 
@@ -68,7 +69,8 @@ def _fault(fault: ErrorDetails, declaration: Declaration) -> str:
         if name == "ge" and fault["input"] <= bounds.get("gt", -math.inf):
             name = "gt"
         bound = f"must be {BOUNDS[name]} {bounds[name]:g} {declaration.unit}".rstrip()
-        return bound + (f" ({declaration.hints[name]})" if name in declaration.hints else "")
+        bound += f" ({declaration.hints[name]})" if name in declaration.hints else ""
+        return bound + celsius_meant(fault["input"], declaration.unit)
     if kind == "value_error":
         said = str(fault["ctx"]["error"])
         # Who is told how to write this very value needs no example of another.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
@@ -95,6 +96,7 @@ def setting(
     doc: str,
     *,
     source: str = "",
+    example: str = "",
     hints: dict[str, str] | None = None,
     **bounds: float,
 ) -> Any:
@@ -102,7 +104,7 @@ def setting(
 
     Parameters
     ----------
-    default, doc, source, hints, **bounds
+    default, doc, source, example, hints, **bounds
         As in `quantity`.
     """
     is_list = isinstance(default, list)
@@ -115,7 +117,7 @@ def setting(
             "written": list(default) if isinstance(default, list) else default,
             "source": source,
             "hints": {**(hints or {})},
-            "example": default[0] if isinstance(default, list) else "",
+            "example": example or (default[0] if isinstance(default, list) else ""),
             "bounds": _checked(bounds) if is_list else {},
             "words": [],
         },
@@ -244,7 +246,7 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             continue
         extra = _extra(field)
         is_list = get_origin(field.annotation) is tuple
-        item = get_args(field.annotation)[0] if is_list else field.annotation
+        item = get_args(field.annotation)[0] if is_list else _given(field.annotation)
         yield Declaration(
             key=key,
             unit=extra["unit"],
@@ -265,6 +267,12 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Iterator[Declarati
             choices=tuple(map(str, get_args(item))) if get_origin(item) is Literal else (),
             is_list=is_list,
         )
+
+
+def _given(annotation: Any) -> Any:
+    """Return the type of a choice that is made where it may be left out."""
+    choices = [item for item in get_args(annotation) if get_origin(item) is Literal]
+    return choices[0] if choices and NoneType in get_args(annotation) else annotation
 
 
 def flatten(model: BaseModel, prefix: str = "") -> dict[str, Value]:

@@ -133,6 +133,7 @@ def in_words(
     return wrapped(
         [
             *(line for part in parts for line in part.words(summary)),
+            *(f"note            {note}" for note in summary.get("notes", ())),
             f"cost            {cost}",
             f"results         {unbroken(legible_path(folder))}",
             f"report          {unbroken(legible_path(folder / REPORT))}",

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import DamagedError, legible
 from fibermelt.software import versions_of
 from fibermelt.study.files import canonical, digest, write_through
+from fibermelt.study.melt import melt_notes, values_of
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.outputs import is_published, publish
-from fibermelt.study.parameters import flatten
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
 from fibermelt.study.schema import REPORT, SCHEMA, has_lost_mark
@@ -107,7 +107,7 @@ class _Run:
     began: float
 
     def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
-        values = flatten(self.study.config)
+        values = values_of(self.study.config)
         stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
         key = self._key(values, stage_keys)
@@ -157,7 +157,7 @@ class _Run:
         """
         if stage.compute_from is None:
             return None
-        values = flatten(self.study.config)
+        values = values_of(self.study.config)
         asked = dict(stage.but_for_scale(stage_parameters(stage, values)))
         inputs = {name: stage_keys[name] for name in stage.fed(values)}
         for record, _ in store.records():
@@ -176,7 +176,7 @@ class _Run:
         data: Mapping[str, xr.Dataset],
         like: Neighbour | None,
     ) -> tuple[Record, xr.Dataset]:
-        values = flatten(self.study.config)
+        values = values_of(self.study.config)
         parameters, fed = stage_parameters(stage, values), stage.fed(values)
         start, busy = time.perf_counter(), time.process_time()
         self.observer.step(stage.name, "started")
@@ -240,6 +240,8 @@ class _Run:
         }
         parts = self.chain.asked(self.study.config.study.parts)
         summary: dict[str, Any] = {"schema": SCHEMA}
+        if notes := melt_notes(self.study.config):
+            summary["notes"] = notes
         for part in parts:
             summary |= part.summarize(results)
         summary["cost"] = dict(cost)

@@ -88,7 +88,7 @@ def _melt_told(collected: xr.Dataset) -> Markup:
         return Markup()
     melts = dict.fromkeys((str(titles[case]), str(keys[case])) for case in there)
     told = [
-        Markup('{} (<code class="key">voids.material</code> = {})').format(*melt) for melt in melts
+        Markup('{} (<code class="key">melt.material</code> = {})').format(*melt) for melt in melts
     ]
     celsius = kelvin[there] - ZERO_CELSIUS
     ends = dict.fromkeys(f"{value:.{DIGITS}g}" for value in (celsius.min(), celsius.max()))

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.study.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.study.melt import newtonian_viscosity
 from fibermelt.study.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -233,7 +234,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
     path, model = stored_path(inputs["streamlines"]), stored_model(inputs["cell"])
-    viscosity, count = parameters["melt.viscosity"], parameters["numerics.isotropic_angles"]
+    viscosity, count = newtonian_viscosity(parameters), parameters["numerics.isotropic_angles"]
     middle = inputs["streamlines"]["middle_time"].to_numpy()
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
     if parameters["fiber.path"] == "newton":

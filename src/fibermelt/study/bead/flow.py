@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.study.melt import LAW, law_of
 from fibermelt.study.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -92,11 +93,10 @@ FINER = "take shorter edges in numerics, such as lip_edge and contact_edge, or a
 def _problem(parameters: Parameters) -> Deposition:
     """Return the deposition problem of a study."""
     from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
-    from fibermelt.melt import Newtonian  # noqa: PLC0415
 
     flow = parameters.section("flow")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
-    return Deposition(nozzle=Nozzle(**flow), melt=Newtonian(parameters["melt.viscosity"]), **speeds)
+    return Deposition(nozzle=Nozzle(**flow), melt=cast("Any", law_of(parameters)), **speeds)
 
 
 def start_from(flow: xr.Dataset) -> StartShape:
@@ -185,11 +185,11 @@ def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
     kept = {
         key: value
         for key, value in parameters.items()
-        if key not in speeds and not key.startswith("melt.")
+        if key not in speeds and not key.startswith(f"{LAW}.")
     }
     ratio = speed_ratio(*(parameters[key] for key in speeds))
     law = " ".join(scaled_constants(_problem(Parameters(parameters))))
-    return {**kept, "flow.speed_ratio": ratio, "melt.law": law}
+    return {**kept, "flow.speed_ratio": ratio, LAW: law}
 
 
 def _stored(solution: FlowSolution) -> xr.Dataset:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.bead.newton import newton_motions
+from fibermelt.study.melt import newtonian_viscosity
 from fibermelt.study.stages import Parameters, Say
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def followed_in_plane(
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(angles)} angles on {len(path)} streamlines")
     motion = follow(path, model.response.shape_factor, angles, tolerance)
-    pressure = surface_pressure(path, model.response, parameters["melt.viscosity"], motion)
+    pressure = surface_pressure(path, model.response, newtonian_viscosity(parameters), motion)
     return {
         "initial_angle": angles,
         "angle": motion.angle,
@@ -81,7 +82,7 @@ def followed_by_newton(
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     system = build_system(fiber, size, numerics)
     angles = np.asarray(parameters["fiber.initial_angles"])
-    viscosity = parameters["melt.viscosity"]
+    viscosity = newtonian_viscosity(parameters)
     motions = newton_motions(system, fiber, path.histories, viscosity, angles, say)
     lines = zip(path.histories, motions, middle, zone_time, strict=True)
     found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
@@ -118,7 +119,7 @@ def followed_in_space(
     found = []
     for one, middle_time, times in zip(path.histories, middle, zone_time, strict=True):
         motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
-        pressure = spatial_pressure(one, model.spheroid, parameters["melt.viscosity"], motion)
+        pressure = spatial_pressure(one, model.spheroid, newtonian_viscosity(parameters), motion)
         line = _on_line(one, motion, pressure, middle_time, times)
         found.append({**line, "elevation": motion.elevation})
     return {

@@ -6,12 +6,15 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from fibermelt.errors import ConfigError
 from fibermelt.study.config.fiber import FROM_CONTENT, Fiber
-from fibermelt.study.config.flow import Flow, Melt, Streamlines
+from fibermelt.study.config.flow import Flow, Streamlines
 from fibermelt.study.config.interaction import Interaction
+from fibermelt.study.config.melt import Melt
 from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
 from fibermelt.study.config.sensitivity import Sensitivity
+from fibermelt.study.melt import refuse_incomplete, refuse_unphysical
 from fibermelt.study.parameters import Section
 from fibermelt.study.voids.config import Voids
 
@@ -31,6 +34,10 @@ __all__ = [
 ]
 
 
+WITHOUT_VISCOSITY = frozenset({"interaction", "verification", "claims"})
+"""Parts that ask no viscosity of the melt."""
+
+
 class Config(Section):
     """A study: what `fibermelt run` is given, resolved."""
 
@@ -45,11 +52,29 @@ class Config(Section):
     numerics: Numerics = Field(default_factory=Numerics)
 
     @model_validator(mode="after")
-    def _moisture(self) -> Self:
-        """Refuse what the material's card does not allow, before the flow is computed."""
-        if "voids" in self.study.parts:
-            self.voids.refuse_impossible()
+    def _melted(self) -> Self:
+        """Refuse a melt that parts of the study cannot do with, before the flow is computed."""
+        try:
+            if not WITHOUT_VISCOSITY.issuperset(self.study.parts):
+                refuse_incomplete(self.melt)
+                refuse_unphysical(self.melt, self._fastest)
+            if "voids" in self.study.parts:
+                self._moisture()
+        except ConfigError as error:
+            raise ValueError(str(error)) from error
         return self
+
+    @property
+    def _fastest(self) -> float:
+        """Return the highest rate of deformation that the flow's mesh resolves at a lip [1/s]."""
+        speed = max(self.flow.bed_speed, self.flow.inlet_speed)
+        return speed / (self.numerics.lip_edge * self.flow.capillary_width)
+
+    def _moisture(self) -> None:
+        """Refuse a moisture that the card does not know, or does not allow."""
+        from fibermelt.study.voids.melt import moist_melt  # noqa: PLC0415  lazy: NumPy
+
+        moist_melt(self.melt.card, self.voids.moisture, self.melt.temperature)
 
     @model_validator(mode="after")
     def _scales(self) -> Self:

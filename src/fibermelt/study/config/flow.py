@@ -1,4 +1,4 @@
-"""The tables of the deposition flow: ``[flow]``, ``[melt]`` and ``[streamlines]``."""
+"""The tables of the deposition flow: ``[flow]`` and ``[streamlines]``."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Self
 
 from pydantic import model_validator
 
-from fibermelt.study.config.sources import INFERRED, PAPER_2, PAPER_21
+from fibermelt.study.config.sources import INFERRED, PAPER_21
 from fibermelt.study.parameters import Section, quantity, setting
 
-__all__ = ["Flow", "Melt", "Streamlines"]
+__all__ = ["Flow", "Streamlines"]
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
@@ -109,15 +109,6 @@ class Flow(Section):
                 "correct one of the two"
             )
             raise ValueError(msg)
-
-
-class Melt(Section):
-    """The polymer melt, Newtonian."""
-
-    viscosity: float = quantity(
-        "817 Pa s", "Pa s", "Dynamic viscosity.", ge=1e-6, le=1e12, source=PAPER_2
-    )
-    density: float = quantity("1154 kg/m^3", "kg/m^3", "Density.", gt=0, le=1e5, source=PAPER_2)
 
 
 class Streamlines(Section):

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-import shlex
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import StoreError
+from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.finished import finished_results
-from fibermelt.study.materials import load_card, material_names
+from fibermelt.study.loading import resolve
+from fibermelt.study.materials import Card, load_card
+from fibermelt.study.melt import SAME_TEMPERATURE, newtonian_viscosity, values_of
+from fibermelt.study.stages import Parameters
 from fibermelt.study.variables import study_of
-from fibermelt.study.voids.config import Voids
-from fibermelt.study.voids.melt import FROM_CARD, MoistMelt, moist_melt
+from fibermelt.study.voids.melt import FROM_CARD, moist_melt
 from fibermelt.study.voids.stages import assess_bead, with_orientation
 from fibermelt.study.voids.summary import summarize_voids
 
@@ -26,9 +26,8 @@ __all__ = ["VoidQuestion", "answer_voids"]
 STAGES = ("streamlines", "cell", "motion")
 """Whose data the results of a bead hold together."""
 
-
-SAME_TEMPERATURE = 1e-9
-"""Part by which temperatures may differ and be one: 446 degF is 230 degC but for a rounding."""
+ASKED = {name: f"--{name}" for name in ("material", "moisture", "temperature")}
+"""What the three are called on the command line."""
 
 
 @dataclass(frozen=True)
@@ -81,59 +80,42 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
             "and run it again"
         )
         raise StoreError(msg)
-    study = study_of(results)
-    # A run of before there were voids has no such table.
-    usual = Voids.model_validate(study.get("voids", {}))
-    melt = _asked(question, usual)
-    viscosity = study["melt"]["viscosity"]
-    fed = STAGES + with_orientation({"study.parts": tuple(study["study"]["parts"])})
+    study = resolve(study_of(results))
+    table, usual = study.melt, study.voids
+    card = table.card if question.material is None else _other(question.material)
+    is_other = card.key != table.card.key
+    given = FROM_CARD if is_other else usual.moisture
+    temperature = question.temperature
+    if temperature is None:
+        temperature = card.temperature if is_other else table.temperature
+    melt = moist_melt(
+        card,
+        given if question.moisture is None else question.moisture,
+        temperature,
+        usual.threshold_rate,
+        density=None if is_other else table.density,
+        keys=ASKED,
+    )
+    fed = STAGES + with_orientation({"study.parts": study.study.parts})
+    viscosity = newtonian_viscosity(Parameters(values_of(study)))
     found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
     answer = _summary(found, results)
-    card, temperature = _of_study(usual)
-    is_as_run = math.isclose(melt.temperature, temperature, rel_tol=SAME_TEMPERATURE)
-    if melt.card.key != card or not is_as_run:
+    is_as_run = math.isclose(melt.temperature, table.temperature or 0.0, rel_tol=SAME_TEMPERATURE)
+    if is_other or not is_as_run:
         answer["held"] = (
-            f"the local pressures, those of the run's melt, melt.viscosity = {viscosity:g} Pa s; "
-            "for those of the melt that is asked for, give its viscosity there: fibermelt run "
-            f"{shlex.quote(str(directory / 'config.toml'))} --set melt.viscosity=..."
-            f"{_settings(melt, card)} --out ..."
+            f"the local pressures, those of the run's melt, {table.card.name} at "
+            f"{table.temperature:g} K; for those of another, run the study with its melt.material "
+            "and melt.temperature"
         )
     return answer
 
 
-def _settings(melt: MoistMelt, card: str) -> str:
-    """Return what a run needs besides its viscosity to be of a melt, on the command line.
-
-    A study knows shipped cards only; pressures do not depend on the card, so that a run of the
-    viscosity alone may be asked about any.
-    """
-    temperature = f' --set voids.temperature="{melt.temperature:g} K"'
-    if melt.card.key == card:
-        return temperature
-    if melt.card.key not in material_names():
-        return ""
-    moisture = f" --set voids.moisture={melt.moisture:g}"
-    return f"{temperature} --set voids.material={melt.card.key}{moisture}"
-
-
-def _of_study(usual: Voids) -> tuple[str, float]:
-    """Return the card and the temperature [K] of the study's melt."""
-    card = load_card(usual.material)
-    return card.key, card.temperature if usual.temperature == FROM_CARD else usual.temperature
-
-
-def _asked(question: VoidQuestion, usual: Voids) -> MoistMelt:
-    """Return the melt that is asked for."""
-    other = question.material is not None and question.material != usual.material
-    given = {
-        name: getattr(question, name)
-        for name in ("material", "moisture", "temperature")
-        if getattr(question, name) is not None
-    }
-    rest: Mapping[str, Any] = {"moisture": FROM_CARD, "temperature": FROM_CARD}
-    if not other:
-        rest = {name: getattr(usual, name) for name in ("material", "moisture", "temperature")}
-    return moist_melt(**{**rest, **given}, threshold_rate=usual.threshold_rate, said="--")
+def _other(material: str) -> Card:
+    try:
+        return load_card(material)
+    except ConfigError as error:
+        msg = "\n".join(f"--material: {line}" for line in str(error).split("\n"))
+        raise ConfigError(msg) from error
 
 
 def _summary(found: xr.Dataset, results: xr.Dataset) -> dict[str, Any]:

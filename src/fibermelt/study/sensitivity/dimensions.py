@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.study.bead.fiber import domain_size, stored_model, stored_path
+from fibermelt.study.melt import LAW, newtonian_viscosity
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -28,7 +29,7 @@ __all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows"]
 
 DIMENSIONS_PARAMETERS = (
     "sensitivity.aspect_ratios",
-    "melt.viscosity",
+    LAW,
     "fiber.half_length",
     "fiber.aspect_ratio",
     "fiber.domain_size",
@@ -168,7 +169,7 @@ def _lowest_along(
     from fibermelt.fiber.motion import follow  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds, surface_pressure  # noqa: PLC0415
 
-    viscosity, lowest = parameters["melt.viscosity"], KINDS.index("min")
+    viscosity, lowest = newtonian_viscosity(parameters), KINDS.index("min")
     angles = np.asarray(parameters["fiber.initial_angles"])
     tolerance = parameters["numerics.angle_tolerance"]
     motion = follow(path, model.response.shape_factor, angles, tolerance)

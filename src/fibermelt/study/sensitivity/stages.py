@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fibermelt.study.claims.printed import printed_period
+from fibermelt.study.melt import LAW, newtonian_viscosity
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -31,7 +32,7 @@ ORBITS_PARAMETERS = (
     "sensitivity.domain_size",
     "fiber.half_length",
     "fiber.aspect_ratio",
-    "melt.viscosity",
+    LAW,
     "numerics.cell_order",
 )
 """What `orbits_stage` reads."""
@@ -57,7 +58,7 @@ class Case(NamedTuple):
 
 def orbit_cases(parameters: Parameters) -> list[Case]:
     """Return the cases: the base first, then the sweeps, each with the base's other values."""
-    ratio, viscosity = parameters["fiber.aspect_ratio"], parameters["melt.viscosity"]
+    ratio, viscosity = parameters["fiber.aspect_ratio"], newtonian_viscosity(parameters)
     rate = parameters["sensitivity.shear_rate"]
     return [
         Case("base", ratio, rate, viscosity),
@@ -95,7 +96,7 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         answers[ratio] = (cells[ratio].response, unbounded_ellipse(fiber))
         say(f"aspect ratio {ratio:g}: {cells[ratio].unknowns} unknowns")
     swept = tuple(parameters["sensitivity.aspect_ratios"])
-    scale = parameters["melt.viscosity"] * parameters["sensitivity.shear_rate"]
+    scale = newtonian_viscosity(parameters) * parameters["sensitivity.shear_rate"]
     turns = [[_turn(answer, case) for answer in answers[case.aspect_ratio]] for case in cases]
     near = [_around(cells[ratio], numerics, scale) for ratio in swept]
     return labelled(

@@ -28,6 +28,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.loading import resolve
+from fibermelt.study.melt import values_of
 from fibermelt.study.parameters import Value, declarations, excerpt, flatten
 from fibermelt.study.sweep.axes import MOST_CASES, Axis, read_axis
 from fibermelt.study.sweep.distributions import Uniform
@@ -61,7 +62,7 @@ class Case:
     @property
     def id(self) -> str:
         """Return a name that depends on the resolved study only."""
-        return digest(canonical(flatten(self.config)))[:20]
+        return digest(canonical(values_of(self.config)))[:20]
 
 
 @dataclass(frozen=True)

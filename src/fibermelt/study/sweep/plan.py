@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fibermelt.study.files import canonical, digest
-from fibermelt.study.parameters import flatten
+from fibermelt.study.melt import values_of
 from fibermelt.study.stages import keys, stage_parameters
 from fibermelt.study.sweep.collection import COLLECTION
 from fibermelt.study.sweep.starts import neighbours
@@ -172,13 +172,13 @@ def plan_sweep(sweep: Sweep, study: Study, chain: Chain) -> Plan:
     ConfigError
         If a case is no valid study.
     """
-    base = flatten(study.config)
+    base = values_of(study.config)
     parts = study.config.study.parts
     cases: list[PlannedCase] = []
     needed: dict[str, tuple[Stage, ...]] = {}
     users: dict[str, set[str]] = {}
     for case in sweep.stream():
-        values = flatten(case.config)
+        values = values_of(case.config)
         stages = chain.needed(parts, values)
         found = {name: sys.intern(key) for name, key in keys(stages, values).items()}
         last = _last(stages, values)

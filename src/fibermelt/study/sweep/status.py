@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.files import partial, remove, storage_errors
 from fibermelt.study.loading import load_study
-from fibermelt.study.parameters import flatten
+from fibermelt.study.melt import values_of
 from fibermelt.study.schema import no_folder
 from fibermelt.study.stages import keys
 from fibermelt.study.sweep.cost import estimate, read_computed
@@ -254,6 +254,6 @@ def _on_show(directory: Path, chain: Chain) -> set[Path]:
             f"show needs: {str(error).splitlines()[0]}"
         )
         raise StoreError(msg) from error
-    values = flatten(config)
+    values = values_of(config)
     found = keys(chain.needed(config.study.parts, values), values)
     return {stage_folder(directory, name, key) for name, key in found.items()}

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.study.melt import LAW, newtonian_viscosity
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -29,7 +30,8 @@ DECADE = 1.0
 """How far the threshold must be below the rate without a barrier, in decades: nearer, a melt so
 dry reaches it only where nothing holds it back, and no surface decides."""
 
-VOID_PARAMETERS = ("voids", "melt.viscosity")
+VOID_PARAMETERS = ("voids", "card", "melt.temperature", "melt.density", LAW)
+"""What `voids_stage` reads."""
 
 
 ORIENTED = "oriented tips"
@@ -43,13 +45,19 @@ def with_orientation(values: Mapping[str, Value]) -> tuple[str, ...]:
 
 def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Hold the pressure on fibers against the vapor pressure, along every streamline."""
-    from fibermelt.study.voids.melt import moist_melt  # noqa: PLC0415  lazy: see the module
+    from fibermelt.study.materials import card_of  # noqa: PLC0415  lazy: see the module
+    from fibermelt.study.voids.melt import moist_melt  # noqa: PLC0415
 
     voids = parameters.section("voids")
-    layers = voids.pop("layers")
-    melt = moist_melt(**voids)
+    melt = moist_melt(
+        card_of(parameters["card.key"], parameters["card.text"]),
+        voids["moisture"],
+        parameters["melt.temperature"],
+        voids["threshold_rate"],
+        density=parameters["melt.density"],
+    )
     say(f"{100 * melt.moisture:g} % moisture in {melt.card.name}")
-    return assess_bead(inputs, parameters["melt.viscosity"], melt, layers)
+    return assess_bead(inputs, newtonian_viscosity(parameters), melt, voids["layers"])
 
 
 def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) -> xr.Dataset:

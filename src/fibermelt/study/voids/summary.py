@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.numerals import rounded
 from fibermelt.study.variables import or_none
 from fibermelt.study.voids.advice import advice
-from fibermelt.study.wrapping import unbroken
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,9 +17,6 @@ __all__ = ["summarize_voids", "voids_in_words", "worst_line"]
 
 BASIS = "bounds"
 """Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
-
-RUN_AGAIN = " fibermelt run "
-"""How the command begins that ends the sentence on what is held."""
 
 _ON_LINE = (
     "lowest_pressure",
@@ -178,18 +174,11 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         lines += _worst(voids, worst)
     lines.append(f"what to do      {advice(voids)}")
     if "held" in voids:
-        lines += _held(voids["held"])
+        lines.append(f"held            {voids['held']}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]
     if estimates := voids["material"]["estimates"]:
         lines.append(f"estimates       {', '.join(estimates)}")
     return lines
-
-
-def _held(sentence: str) -> list[str]:
-    """Return what stays that of the run, and the command that changes it on a line to copy."""
-    what, found, rest = sentence.partition(RUN_AGAIN)
-    command = [f"{'':<16}{unbroken((found + rest).strip())}"] if found else []
-    return [f"held            {what}", *command]
 
 
 def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
