@@ -116,6 +116,7 @@ FIELD = FlowField(
     np.zeros(3),
     np.zeros((3, 2, 2)),
     np.zeros(3),
+    np.ones(3),
     np.zeros(3),
 )
 HISTORY = fm.simple_shear(1.0, 10.0, 51)

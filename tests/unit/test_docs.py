@@ -23,6 +23,7 @@ from fibermelt.cli import app
 from fibermelt.report.sources import read_sources
 from fibermelt.study.config import Config
 from fibermelt.study.loading import load_study
+from fibermelt.study.materials import load_card
 from fibermelt.study.parameters import declarations
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.voids.melt import moist_melt
@@ -208,7 +209,7 @@ def test_every_study_and_card_on_a_page_is_valid(tmp_path: Path) -> None:
         path.write_text(start + text, encoding="utf-8")
         if "name" in tables:
             # As the command beside it takes the card: moisture and temperature are the card's.
-            moist_melt(str(path), "from-card", "from-card", threshold_rate=1.0)
+            moist_melt(load_card(str(path)))
             continue
         study = load_study(str(path))
         if study.sweep is not None:

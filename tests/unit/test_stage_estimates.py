@@ -9,11 +9,11 @@ import xarray as xr
 from fibermelt.errors import ConvergenceError
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import resolve
-from fibermelt.study.parameters import flatten
+from fibermelt.study.melt import values_of
 from fibermelt.study.stages import Neighbour, stage_parameters
 from fibermelt.study.variables import VARIABLES, labelled
 
-VALUES = flatten(resolve({}))
+VALUES = values_of(resolve({}))
 WIDTH = VALUES["flow.capillary_width"]
 SHEAR = np.array([[0.0, 4.0], [0.0, 0.0]])
 
@@ -27,6 +27,7 @@ GOOD = {
         "node_pressure": np.zeros(3),
         "node_gradient": np.stack([SHEAR] * 3),
         "node_stream_function": np.zeros(3),
+        "node_viscosity": np.ones(3),
         "node_gradient_error": np.array([0.1, 0.2, 1e6]),  # the last is a corner
         "bead_height": 2.5e-3,
         "inlet_pressure": 2e6,

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from fibermelt.study.bead.flow import flow_but_for_scale
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study
+from fibermelt.study.loading import load_study, resolve
+from fibermelt.study.melt import values_of
+from fibermelt.study.stages import stage_parameters
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.plan import plan_sweep
 from fibermelt.study.sweep.starts import REACH, neighbours
@@ -72,15 +74,28 @@ def test_those_that_differ_in_a_scale_only_hang_from_one():
 
 
 def test_a_flow_scales_with_the_melt_and_with_both_speeds():
-    nozzle = {"flow.gap": 3e-3, "numerics.flow_order": 3}
+    stage = next(stage for stage in CHAIN.stages if stage.name == "flow")
+    values = stage_parameters(stage, values_of(resolve({})))
 
-    def flow(inlet, bed, viscosity):
+    def flow(inlet, bed, **law):
         speeds = {"flow.inlet_speed": inlet, "flow.bed_speed": bed}
-        return flow_but_for_scale({**nozzle, **speeds, "law.viscosity": viscosity})
+        constants = {f"law.{name}": value for name, value in law.items()}
+        return flow_but_for_scale({**values, **speeds, **constants})
 
     # The paper's speeds, and a quarter of them.
-    assert flow(24e-3, 101.6e-3, 817.0) == flow(6e-3, 25.4e-3, 400.0)
-    assert flow(24e-3, 101.6e-3, 817.0) != flow(24.001e-3, 101.6e-3, 817.0)
+    assert flow(24e-3, 101.6e-3, viscosity=817.0) == flow(6e-3, 25.4e-3, viscosity=400.0)
+    assert flow(24e-3, 101.6e-3, viscosity=817.0) != flow(24.001e-3, 101.6e-3, viscosity=817.0)
+
+    def thinning(inlet, bed, viscosity, time_constant):
+        rest = {"infinite_viscosity": 0.0, "transition": 2.0, "index": 0.4}
+        return flow(
+            inlet, bed, name="carreau", viscosity=viscosity, time_constant=time_constant, **rest
+        )
+
+    one = thinning(24e-3, 101.6e-3, 817.0, 0.1)
+    # A melt that thins scales with all its viscosities, and with speeds and time constant together.
+    assert one == thinning(24e-3, 101.6e-3, 400.0, 0.1) == thinning(6e-3, 25.4e-3, 817.0, 0.4)
+    assert one != thinning(6e-3, 25.4e-3, 817.0, 0.1)
 
 
 number = st.floats(1e-3, 1e3)
