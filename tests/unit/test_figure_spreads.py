@@ -31,6 +31,7 @@ from fibermelt.report.spread import MEAN, MEDIAN
 from fibermelt.report.streamlines import streamlines_words
 from fibermelt.report.style import Words
 from fibermelt.report.surroundings import read_instant
+from fibermelt.report.tables import number
 from fibermelt.report.timeline import on_fibers
 
 ROUNDING = 1e-12
@@ -86,7 +87,7 @@ def test_a_streamline_near_a_corner_does_not_set_the_scale_and_is_told(results: 
     calm, drawn = _panels(figure_extremes(results))[1], _panels(figure_extremes(wild))[1]
     assert drawn.get_ylim() == calm.get_ylim()
     mean = 1e-6 * float(wild["extreme"][first].sel(kind="min").mean())
-    assert f"{mean:.2f}".replace("-", "−") in [text.get_text() for text in drawn.texts]
+    assert number(mean, 3) in [text.get_text() for text in drawn.texts]
     assert not any("−" in text.get_text() for text in calm.texts)
     assert "beyond the scales" in extremes_words(wild).caption
     assert "beyond the scales" not in extremes_words(results).caption
@@ -109,8 +110,8 @@ def test_one_fiber_is_drawn_with_its_extremes(results: xr.Dataset) -> None:
         marks = [float(y[0]) for y in drawn if len(y) == 1]
         np.testing.assert_allclose(marks, ends)
         rise = 1e-6 * results["extreme"][9, fiber].sel(kind=kind).to_numpy()
-        told = " ".join(text.get_text() for text in axes.texts).replace("−", "-")
-        assert all(f"{value:+.2f} MPa at Loc. {k}" in told for k, value in enumerate(rise, 1))
+        told = " ".join(text.get_text() for text in axes.texts)
+        assert all(f"{number(value, 3)} MPa at Loc. {k}" in told for k, value in enumerate(rise, 1))
 
 
 def test_words_on_one_fiber_follow_its_numbers(results: xr.Dataset) -> None:
