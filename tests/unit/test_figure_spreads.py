@@ -73,8 +73,8 @@ def test_mean_and_median_are_those_of_the_stored_extremes(results: xr.Dataset) -
 def test_envelopes_are_the_stored_bounds(results: xr.Dataset) -> None:
     bounds = 1e-6 * results["extreme_bounds"].isel(location=1).sel(kind="min").to_numpy()
     band = _panels(figure_extremes(results))[1].collections[0].get_paths()[0].vertices
-    for number, (low, high) in zip(results["streamline"].to_numpy(), bounds, strict=True):
-        here = band[band[:, 0] == number, 1]
+    for line, (low, high) in zip(results["streamline"].to_numpy(), bounds, strict=True):
+        here = band[band[:, 0] == line, 1]
         assert here.min() == pytest.approx(low)
         assert here.max() == pytest.approx(high)
 
