@@ -26,6 +26,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 import fibermelt as fm
 from fibermelt.flow.dieswell import solve_die_swell
 from fibermelt.flow.start import StartShape
+from fibermelt.melt import ViscosityLaw
 
 SWELL = 1.18669
 """Limit of the P3 sequence at first order of the lip's edge; 1.1867 in the literature."""
@@ -72,6 +73,38 @@ def test_deposition_flow_from_a_neighbour(
     benchmark.extra_info |= {"times_faster_than_cold": cold / warm, "each": ratios}
     benchmark.pedantic(
         lambda: fm.solve_deposition(neighbours[1], start=start), rounds=2, warmup_rounds=0
+    )
+    ng.SetNumThreads(os.cpu_count())
+
+
+THINNING = {
+    "Carreau 0.5, 0.1 s": fm.CarreauYasuda(817.0, 0.5, 0.1),
+    "Carreau 0.35, 1 s": fm.CarreauYasuda(817.0, 0.35, 1.0),
+    "Carreau 0.25, 0.01 s": fm.CarreauYasuda(817.0, 0.25, 0.01),
+    "Carreau 0.25, 10 s": fm.CarreauYasuda(817.0, 0.25, 10.0),
+    "power law 0.25": fm.PowerLaw(25836.0, 0.25),
+}
+
+
+def test_thinning_flows_against_the_newtonian(
+    benchmark: BenchmarkFixture, problem: fm.Deposition
+) -> None:
+    """From cold, in processor time and one thread, as multiples of the Newtonian flow."""
+    ng.SetNumThreads(1)
+
+    def cost(melt: ViscosityLaw) -> float:
+        begun = time.process_time()
+        fm.solve_deposition(replace(problem, melt=melt))
+        return time.process_time() - begun
+
+    newtonian = min(cost(problem.melt) for _ in range(3))
+    ratios = {name: round(cost(law) / newtonian, 2) for name, law in THINNING.items()}
+    print(f"\nthinning over Newtonian: {ratios}")
+    benchmark.extra_info |= ratios
+    benchmark.pedantic(
+        lambda: fm.solve_deposition(replace(problem, melt=THINNING["Carreau 0.5, 0.1 s"])),
+        rounds=1,
+        warmup_rounds=0,
     )
     ng.SetNumThreads(os.cpu_count())
 

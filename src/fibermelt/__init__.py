@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from fibermelt.flow.streamlines import trace_streamlines
     from fibermelt.flow.vtu import write_vtu
     from fibermelt.history import FlowHistory, simple_shear
-    from fibermelt.melt import Newtonian
+    from fibermelt.melt import CarreauYasuda, Cross, CrossWLF, Newtonian, PowerLaw
     from fibermelt.orientation.closures import closure
     from fibermelt.orientation.evolve import follow_orientation
     from fibermelt.orientation.fokker_planck import steady_distribution
@@ -80,13 +80,20 @@ _HOMES = {
     "write_vtu": "flow.vtu",
     "FlowHistory": "history",
     "simple_shear": "history",
+    "CarreauYasuda": "melt",
+    "Cross": "melt",
+    "CrossWLF": "melt",
     "Newtonian": "melt",
+    "PowerLaw": "melt",
 }
 """Public name to the module that has it."""
 
 __all__ = [
+    "CarreauYasuda",
     "ConfigError",
     "ConvergenceError",
+    "Cross",
+    "CrossWLF",
     "DamagedError",
     "Deposition",
     "Ellipse",
@@ -99,6 +106,7 @@ __all__ = [
     "Newtonian",
     "Nozzle",
     "PathBundle",
+    "PowerLaw",
     "StoreError",
     "closure",
     "extremes",
