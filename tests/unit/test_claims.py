@@ -46,7 +46,11 @@ def test_a_claim_says_where_it_stands_and_why_its_bound_is_what_it_is(claim):
     assert claim.statement.endswith(".")
     assert claim.why
     assert claim.measure
-    assert 0 < len(claim.said) < 60
+    assert 0 < len(claim.passes_if) < 60
+    # Only a number that the paper prints may stand as the paper's.
+    assert (claim.said != "") == (claim.paper is not None)
+    if claim.paper is not None:
+        assert claim.said.startswith(f"{claim.paper:g}")
 
 
 @pytest.mark.parametrize(
@@ -137,3 +141,11 @@ def test_known_reasons_are_told_under_the_papers_conditions_only(results):
         of = summarize_claims(found.assign_attrs(config=config))["claims"][place]
         assert of["verdict"] == "differs"
         assert told in of["reason"]
+
+
+def test_shares_differ_by_percentage_points():
+    claim = Claim("a", "1", "s", "q", "m", "%", "why", at_most=10.0)
+    assert judged(claim, 40.0).reason.startswith("30 percentage points above the bound")
+    exact = Claim("a", "1", "s", "q", "m", "%", "why", paper=10.0, tolerance=2.0)
+    assert exact.passes_if == "within 2 percentage points of 10 %"
+    assert (exact.said, claim.said) == ("10 %", "")

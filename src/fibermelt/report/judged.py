@@ -32,9 +32,10 @@ CHAPTERS = {
 """Sections of the paper, by what a claim's place starts with."""
 
 COLUMNS = (
-    Column("What the paper states", is_text=True),
-    Column("Paper", is_text=True),
-    Column("Here", is_text=True),
+    Column("What the paper says", is_text=True),
+    Column("Tested here", is_text=True),
+    Column("Passes if", is_text=True),
+    Column("Ours", is_text=True),
     Column("Verdict", is_text=True),
 )
 
@@ -101,7 +102,7 @@ def _filter(listed: Claims) -> Markup:
     return Markup('<fieldset class="filter"><legend>Show</legend>\n{}</fieldset>\n').format(labels)
 
 
-def _claim(claim: Mapping[str, Any]) -> tuple[Markup, str, Markup, Markup]:
+def _claim(claim: Mapping[str, Any]) -> tuple[Markup, str, str, str, Markup]:
     verdict = str(claim["verdict"])
     label = Markup('<span class="verdict" data-verdict="{0}">{1} {0}</span>').format(
         verdict, VERDICTS.get(verdict, "")
@@ -112,10 +113,8 @@ def _claim(claim: Mapping[str, Any]) -> tuple[Markup, str, Markup, Markup]:
     statement = Markup('{}<br><span class="key">{}<code class="key">{}</code></span>').format(
         claim["statement"], f"{place} · " if place else "", claim["id"]
     )
-    here = Markup("{}").format(_told(claim.get("ours")))
-    if measure := claim.get("measure"):
-        here += Markup('<br><span class="reason">{}</span>').format(measure)
-    return statement, _told(claim.get("paper")), here, label
+    tested, passes_if, ours = (_told(claim.get(key)) for key in ("measure", "passes_if", "ours"))
+    return statement, tested, passes_if, ours, label
 
 
 def _told(value: object) -> str:

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from fibermelt.report.judged import VERDICTS
 from fibermelt.report.tables import Column, number
 from fibermelt.report.tables import table as tables
+from fibermelt.study.claims.judge import Claim
 from fibermelt.study.sweep.claims import SweptClaim, swept_claims
 from fibermelt.study.sweep.table import SweepTable
 
@@ -180,7 +181,13 @@ def _row(one: SweptClaim, columns: Sequence[_Column]) -> Markup:
     return Markup(
         '<tr><th scope="row">{} <span class="reason">{}</span><br><code class="key">{}</code></th>'
         '<td class="verdict finding" data-verdict="{}">{}</td>{}</tr>\n'
-    ).format(one.claim.statement, f"Paper: {one.claim.said}.", one.claim.id, known, finding, cells)
+    ).format(one.claim.statement, _meant(one.claim), one.claim.id, known, finding, cells)
+
+
+def _meant(claim: Claim) -> str:
+    """Return the number that the paper gives, where it gives one, and when the claim holds."""
+    number = f"Paper: {claim.said}. " if claim.said else ""
+    return f"{number}Passes if {claim.passes_if}."
 
 
 def _cell(one: SweptClaim, column: _Column) -> Markup:

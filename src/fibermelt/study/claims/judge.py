@@ -100,15 +100,33 @@ class Claim:
 
     @property
     def said(self) -> str:
-        """Return what the paper says of the quantity: a value, or a bound that follows."""
+        """Return the number that the paper gives, with its unit; empty where it says it in words.
+
+        What its words are taken to mean is ours, and stands in `passes_if`.
+        """
+        return "" if self.paper is None else f"{self.paper:g} {self.unit}".rstrip()
+
+    @property
+    def passes_if(self) -> str:
+        """Return when the claim holds: our bound on the quantity, with its unit."""
         unit = f" {self.unit}" if self.unit else ""
         if self.paper is not None:
-            return f"{self.paper:g}{unit}"
+            return f"within {self.tolerance:g}{self._apart} of {self.said}"
         if self.at_least is not None and self.at_most is not None:
             return f"{self.at_least:g} to {self.at_most:g}{unit}"
         if self.at_least is not None:
             return f"at least {self.at_least:g}{unit}"
         return f"at most {self.at_most:g}{unit}"
+
+    @property
+    def _apart(self) -> str:
+        """Return the unit of a difference, with a space: shares differ by percentage points."""
+        unit = "percentage points" if self.unit == "%" else self.unit
+        return f" {unit}" if unit else ""
+
+    def told_apart(self, difference: float) -> str:
+        """Return the size of a difference in words."""
+        return f"{abs(difference):.3g}{self._apart}"
 
     def excess(self, value: float) -> float:
         """Return by how much a value [unit of the claim] misses what the paper says; 0 if not."""
@@ -191,9 +209,8 @@ def judge(claim: Claim, value: float, missing: str = "", *, as_in_paper: bool = 
     excess = claim.excess(value)
     if excess == 0.0:
         return Judgement(claim, value, "holds", claim.why)
-    unit = f" {claim.unit}" if claim.unit else ""
     against = "what the paper says" if claim.paper is not None else "the bound"
-    missed = f"{abs(excess):.3g}{unit} {'above' if excess > 0 else 'below'} {against}"
+    missed = f"{claim.told_apart(excess)} {'above' if excess > 0 else 'below'} {against}"
     if not as_in_paper:
         return Judgement(claim, value, "differs", f"{missed}; the conditions are not the paper's")
     reason = f"{missed}: {claim.known}" if claim.known else f"{missed}, for no reason that we know"

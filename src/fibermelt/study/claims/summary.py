@@ -40,8 +40,10 @@ def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``{"claims": [{"id", "section", "statement", "measure", "paper", "ours", "verdict",
-        "reason"}, ...]}``, numbers with their units as text.
+        ``{"claims": [{"id", "section", "statement", "paper", "measure", "passes_if", "ours",
+        "verdict", "reason"}, ...]}``, numbers with their units as text. ``paper`` is the number
+        that the paper gives, empty where it says ``statement`` in words only; ``passes_if`` is
+        what we take either to mean.
     """
     values = dict(zip(results["claim"].to_numpy(), results["claim_value"].to_numpy(), strict=True))
     why = dict(zip(results["claim"].to_numpy(), results["claim_missing"].to_numpy(), strict=True))
@@ -56,8 +58,9 @@ def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
                 "id": one.claim.id,
                 "section": one.claim.section,
                 "statement": one.claim.statement,
-                "measure": one.claim.measure,
                 "paper": one.claim.said,
+                "measure": one.claim.measure,
+                "passes_if": one.claim.passes_if,
                 "ours": one.ours,
                 "verdict": one.verdict,
                 "reason": one.reason,
@@ -70,9 +73,16 @@ def summarize_claims(results: xr.Dataset) -> dict[str, Any]:
 def claims_in_words(summary: Mapping[str, Any]) -> list[str]:
     """Return the claims' verdicts as a table for a terminal, and how many there are of each."""
     rows = [
-        (one["id"], one["paper"], one["ours"] or "-", one["verdict"]) for one in summary["claims"]
+        (
+            one["id"],
+            one["paper"] or "in words",
+            one["passes_if"],
+            one["ours"] or "-",
+            one["verdict"],
+        )
+        for one in summary["claims"]
     ]
-    heads = ("claim", "the paper", "ours", "verdict")
+    heads = ("claim", "the paper says", "passes if", "ours", "verdict")
     widths = [max(len(row[k]) for row in (heads, *rows)) for k in range(len(heads))]
     lines = [
         "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
