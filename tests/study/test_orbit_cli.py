@@ -10,6 +10,8 @@ from fibermelt.cli import app
 from fibermelt.study.questions.orbit import read_quantity
 
 KEYS = [
+    "model",
+    "domain_size",
     "period",
     "period_jeffery",
     "shape_factor",

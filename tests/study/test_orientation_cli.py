@@ -214,6 +214,8 @@ def test_a_domain_size_in_words():
     assert done.exit_code == 0
     assert "interaction     C_I = 0.01280 (semi-dilute suspension)" in done.stdout
     assert "preferred       6.072 deg from the flow in simple shear" in done.stdout
+    # Two conventions, two answers: each says which it is.
+    assert "convention      standard" in done.stdout
     assert "stalls          in cells up to M = 5.2933" in done.stdout
     assert "extrapolates" not in done.stdout  # no law was asked
 

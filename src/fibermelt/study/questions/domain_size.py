@@ -62,8 +62,8 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``interaction`` C_I, ``preferred_angle`` [rad], ``domain_size`` M, ``regime`` of
-        concentration, ``largest_stalling_domain``, and ``extrapolates``: whether the law was asked
+        ``convention``, ``interaction`` C_I, ``preferred_angle`` [rad], ``domain_size`` M,
+        ``regime`` of concentration, ``largest_stalling_domain``, and ``extrapolates``: whether the law was asked
         beyond the regimes that it is meant for.
 
     Raises
@@ -94,6 +94,7 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
     angle = preferred_angle(model, study.closure)
     curve = stall_curve(study.aspect_ratio)
     return {
+        "convention": study.convention,
         "interaction": interaction,
         "preferred_angle": angle,
         "domain_size": curve.domain_size_at(angle),
@@ -103,6 +104,16 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
     }
 
 
+CONVENTIONS = {
+    "standard": [
+        "convention      standard: rate of deformation sqrt(2 D:D); the paper's results, and the",
+        "                report of its study, go with --convention paper, sqrt(2) times that",
+    ],
+    "paper": ["convention      the paper's: sqrt(2) times the rate of deformation sqrt(2 D:D)"],
+}
+"""What an answer stands for: both conventions are in use, and their answers differ."""
+
+
 def domain_in_words(answer: Mapping[str, Any]) -> str:
     """Return what `run_domain_size` found as a few lines for a person."""
     angle = math.degrees(answer["preferred_angle"])
@@ -110,6 +121,7 @@ def domain_in_words(answer: Mapping[str, Any]) -> str:
     return "\n".join(
         [
             f"interaction     C_I = {answer['interaction']:.5f} ({answer['regime']} suspension)",
+            *CONVENTIONS[answer["convention"]],
             f"preferred       {angle:.3f} deg from the flow in simple shear",
             f"domain size     M = {answer['domain_size']:.4f}: a fiber in that cell stalls there",
             f"stalls          in cells up to M = {answer['largest_stalling_domain']:.4f}",

@@ -12,6 +12,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError
+from fibermelt.study.config.sensitivity import Sensitivity
 
 if TYPE_CHECKING:
     from fibermelt.fiber.orbit import Orbit
@@ -120,7 +121,8 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``period`` [s] (None if it stalls), ``period_jeffery`` [s], ``shape_factor``, ``stalls``,
+        ``model`` and ``domain_size`` M (None without a cell), ``period`` [s] (None if it
+        stalls), ``period_jeffery`` [s], ``shape_factor``, ``stalls``,
         ``stall_angle`` [rad], pressures relative to the far field's [Pa] over the orbit (half a
         turn if it stalls), ``angle_at_min`` and ``where_at_min`` [rad] (None for a circle or a
         sphere, which has the same lowest pressure at every angle), and ``cost``: the seconds of
@@ -168,7 +170,8 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     if study.aspect_ratio == 1.0:
         # A circle has no direction: which angle comes out lowest is rounding.
         answer |= {"angle_at_min": None, "where_at_min": None}
-    return {**answer, "cost": cost}
+    size = _domain(study) if study.model == "confined-ellipse" else None
+    return {"model": study.model, "domain_size": size, **answer, "cost": cost}
 
 
 def _domain(study: OrbitStudy) -> float:
@@ -219,6 +222,7 @@ def orbit_in_words(answer: Mapping[str, Any]) -> str:
         turning = f"{answer['period']:.6g} s ({jeffery})"
     return "\n".join(
         [
+            *_fiber(answer),
             f"shape factor    {round(answer['shape_factor'], 6) + 0.0:.6f}",
             f"period          {turning}",
             f"surface         {answer['min_pressure']:.6g} to {answer['max_pressure']:.6g} Pa",
@@ -227,6 +231,21 @@ def orbit_in_words(answer: Mapping[str, Any]) -> str:
             f"cost            {answer['cost']['total']:.2f} s",
         ]
     )
+
+
+def _fiber(answer: Mapping[str, Any]) -> list[str]:
+    """Return what the answer stands for: the fiber's surroundings decide its pressures."""
+    size = answer["domain_size"]
+    if size is None:
+        return [f"fiber           {answer['model']} in an unbounded melt"]
+    cell = f"fiber           ellipse in a cell of M = {size:g}"
+    if size != PAPER_DOMAIN:
+        return [cell]
+    shear = Sensitivity.model_fields["domain_size"].default
+    return [
+        f"{cell}, the paper's for the bead; its Table 1 and Fig. 9,",
+        f"                and the report's chapter on them, go with --domain-size {shear:g}",
+    ]
 
 
 def _lowest(answer: Mapping[str, Any]) -> str:
