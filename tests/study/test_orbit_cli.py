@@ -109,6 +109,7 @@ def test_the_papers_algorithm_agrees():
     exact, newton = orbit(), orbit(path="newton")
     assert (newton.pop("cost")["steps"], exact.pop("cost")["solves"]) == (400, 0)
     assert newton.pop("period") is exact.pop("period") is None
+    assert newton.pop("model") == exact.pop("model") == "confined-ellipse"
     assert newton == pytest.approx(exact, rel=1e-8, abs=1e-8)
 
 

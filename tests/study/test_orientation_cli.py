@@ -14,7 +14,14 @@ from fibermelt.orientation.models import FolgarTucker, shape_factor
 from fibermelt.orientation.steady import steady_state
 
 ORIENTATION = ["a", "angle", "eigenvalues", "iterations", "residual"]
-DOMAIN = ["interaction", "preferred_angle", "domain_size", "regime", "largest_stalling_domain"]
+DOMAIN = [
+    "convention",
+    "interaction",
+    "preferred_angle",
+    "domain_size",
+    "regime",
+    "largest_stalling_domain",
+]
 """What scripts rely on, in this order; more may follow."""
 
 PAPER = {

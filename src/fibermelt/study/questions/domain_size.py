@@ -63,8 +63,8 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
     -------
     dict
         ``convention``, ``interaction`` C_I, ``preferred_angle`` [rad], ``domain_size`` M,
-        ``regime`` of concentration, ``largest_stalling_domain``, and ``extrapolates``: whether the law was asked
-        beyond the regimes that it is meant for.
+        ``regime`` of concentration, ``largest_stalling_domain``, and ``extrapolates``: whether the
+        law was asked beyond the regimes that it is meant for.
 
     Raises
     ------
