@@ -242,6 +242,14 @@ def test_a_card_like_another_has_its_values_and_its_own(tmp_path):
         load_card(str(own))
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_card_is_read_again_as_it_was_in_its_order(name):
+    found = load_card(name)
+    again = card_of(found.key, found.text)
+    assert again == found
+    assert again.estimates == found.estimates
+
+
 def test_a_law_of_its_own_has_nothing_of_the_others():
     """The paper's card is Newtonian: its viscosity is no constant of a power law."""
     found = load_card("abs-cf13-thinning").viscosity

@@ -206,7 +206,7 @@ def _card(material: str, tables: Mapping[str, Any]) -> Card:
         moisture=melt.moisture,
         provenance=provenance,
         viscosity=card.viscosity,
-        text=json.dumps({"name": name, **tables}, sort_keys=True),
+        text=json.dumps({"name": name, **tables}),
     )
 
 

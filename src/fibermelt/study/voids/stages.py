@@ -182,7 +182,9 @@ def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
     return {
         "void_material": melt.card.key,
         "void_material_name": melt.card.name,
-        "void_estimates": "\n".join(melt.card.estimates),
+        "void_estimates": "\n".join(
+            key for key in melt.card.estimates if not key.startswith("viscosity.")
+        ),
         "void_missing": "\n".join(laws.gaps.values()),
         "void_moisture": melt.moisture,
         "void_temperature": temperature,
