@@ -61,7 +61,7 @@ def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
                 env=environment,
             )
             running.append(process)
-            assert process.stdin is not None  # noqa: S101  a pipe was asked for
+            assert process.stdin is not None
             process.stdin.write(pickle.dumps(task))
             process.stdin.close()
         return [tasks[0].solve(), *(_answers(process) for process in running)]
@@ -76,12 +76,12 @@ def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
 
 def _answers(process: subprocess.Popen[bytes]) -> list[CellAnswer]:
     """Return what a process found, or raise what it met."""
-    assert process.stdout is not None  # noqa: S101  a pipe was asked for
+    assert process.stdout is not None
     told = process.stdout.read()
     if process.wait() != 0 or not told:
         msg = f"fiber cell: a process that solves cells ended with code {process.returncode}: try workers = 1"
         raise ConvergenceError(msg)
-    found: list[CellAnswer] | FibermeltError = pickle.loads(told)  # noqa: S301  our own child
+    found: list[CellAnswer] | FibermeltError = pickle.loads(told)
     if isinstance(found, FibermeltError):
         raise found
     return found
@@ -91,7 +91,7 @@ def _main() -> None:
     """Solve the task on the input; what libraries print goes to the standard error."""
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        task: Task = pickle.loads(sys.stdin.buffer.read())  # noqa: S301  from our own parent
+        task: Task = pickle.loads(sys.stdin.buffer.read())
         try:
             found: list[CellAnswer] | FibermeltError = task.solve()
         except FibermeltError as error:
