@@ -1,6 +1,7 @@
 """The fiber: its shape, its motion along a flow history, the pressure on its surface.
 
-Only `solve_cell`, `solve_thinning` and `build_system` need the finite elements; they are loaded when first named.
+Only `solve_cell`, `solve_thinning` and `build_system` need the finite elements; they are loaded
+when first named.
 """
 
 from __future__ import annotations

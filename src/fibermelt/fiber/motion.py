@@ -124,8 +124,8 @@ def follow(
     path : FlowHistory or PathBundle
         One path (n points) or several of equal length (leading axis).
     shape_factor : float or ThinningResponse
-        ``B`` [-] of the confined fiber, or Jeffery's ``xi``; in a melt that thins, the fiber's table
-        (`fibermelt.fiber.thinning_motion`; no tolerance below 1e-6 is worth its steps there).
+        ``B`` [-] of the confined fiber, or Jeffery's ``xi``; in a melt that thins, the fiber's
+        table (`fibermelt.fiber.thinning_motion`; no tolerance below 1e-6 is worth its steps there).
     initial_angles : (n_angles,) array
         Angles from the x axis at the start [rad]; any number.
     tolerance : float

@@ -43,8 +43,8 @@ ANGLE_TOLERANCE = 1e-14
 
 
 TURN_POINTS = 4096
-"""Directions of a turn in a melt that thins: knots of the table's extremes, and of a rule that converges
-like ``exp(-2 x 4096/r_e)``."""
+"""Directions of a turn in a melt that thins: knots of the table's extremes, and of a rule that
+converges like ``exp(-2 x 4096/r_e)``."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def _thinning_orbit(
 ) -> Orbit:
     """Return the orbit of a fiber in a melt that thins.
 
-    ``theta_dot = (gamma_dot/2)(omega(pi/2 - 2 theta) - 1)``, whose inverse, periodic and smooth, the
+    ``theta_dot = (gamma_dot/2)(omega(pi/2 - 2 theta) - 1)``: its inverse is periodic and smooth, so
     trapezoidal rule integrates over the turn. ``B`` is ``omega`` along the flow, as the spins along
     and across it differ by ``gamma_dot B``.
     """

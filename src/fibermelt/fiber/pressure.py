@@ -40,10 +40,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LocalViscosity:
-    """A melt that thins, around a fiber that is taken to be in a Newtonian one of the viscosity there.
+    """A thinning melt taken for a Newtonian one of its viscosity at the fiber.
 
     An approximation, hence it has to be named: the pressure is the Newtonian response's times
-    ``eta(gamma_dot)`` of the far field. A thinning melt around a fiber of ``r_e = 6`` in the paper's cell
+    ``eta(gamma_dot)`` of the far field. A fiber of ``r_e = 6`` in the paper's cell
     has 0.71 (n = 0.7) or 0.45 (n = 0.35) of it.
 
     Parameters
@@ -175,8 +175,8 @@ def surface_pressure(
     response : FiberResponse or ThinningResponse
         Their pressure response (confined or unbounded).
     viscosity : float, ViscosityLaw or LocalViscosity
-        ``mu`` of the melt [Pa s], positive; all pressures are proportional to it. A melt that thins has
-        the fiber's table of that melt for a response, unless its `LocalViscosity` is asked for.
+        ``mu`` of the melt [Pa s], positive; all pressures are proportional to it. A melt that thins
+        has the fiber's table of that melt for a response, unless its `LocalViscosity` is asked for.
     motion : Turning
         Their angles along the path.
 
@@ -215,8 +215,8 @@ def pressure_bounds(
 ) -> PressureBounds:
     """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
 
-    ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled; of a table, the extremes over
-    its directions at each point's rate. Parameters as in `surface_pressure`.
+    ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled; of a table, the extremes
+    over its directions at each point's rate. Parameters as in `surface_pressure`.
     """
     _refuse_no_response(response)
     size, _ = strain_polar(path.gradient)
@@ -234,7 +234,7 @@ def pressure_bounds(
 def pressure_amplitude(
     response: FiberResponse | ThinningResponse, viscosity: Viscosity, size: Array
 ) -> Array:
-    """Return what multiplies a response's pressure, ``eta d`` [Pa], from the strain's size ``d`` [1/s].
+    """Return what multiplies a response's pressure, ``eta d`` [Pa], at strains of size ``d``.
 
     Raises
     ------
@@ -244,8 +244,8 @@ def pressure_amplitude(
     if isinstance(response, ThinningResponse):
         if viscosity != response.law:
             msg = (
-                f"melt {viscosity}: the fiber's table is of {response.law}; give that one, or make a "
-                "table for this"
+                f"melt {viscosity}: the fiber's table is of {response.law}; give that one, or make "
+                "a table for this"
             )
             raise ConfigError(msg)
         return np.asarray(response.law.viscosity_at(2.0 * size) * size)
@@ -265,8 +265,8 @@ def newtonian_viscosity(viscosity: Viscosity, size: Array) -> float | Array:
     if isinstance(viscosity, ViscosityLaw):
         if not viscosity.is_newtonian:
             msg = (
-                f"melt {viscosity}: thins, and the fiber's response is of a Newtonian melt: make its "
-                "table (solve_thinning), or ask for the approximation by name, LocalViscosity(law)"
+                f"melt {viscosity}: thins, and the fiber's response is of a Newtonian melt: make "
+                "its table (solve_thinning), or ask for the approximation by name, LocalViscosity(law)"
             )
             raise ConfigError(msg)
         return float(viscosity.viscosity_at(1.0))

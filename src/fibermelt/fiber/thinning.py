@@ -5,13 +5,14 @@ spin and surface pressure of a force- and torque-free fiber are functions of the
 gamma_dot/2`` and its direction ``phi`` in the fiber's axes (``D_11 = d cos phi``, ``D_12 = d sin
 phi``) and of nothing else,
 
-    theta_dot = W_21 + d omega(gamma_dot, phi),    p(s) - p_psi = eta(gamma_dot) d P(s; gamma_dot, phi).
+    theta_dot = W_21 + d omega(gamma_dot, phi),    p(s) - p_psi = eta(gamma_dot) d P(s; gamma_dot,
+    phi).
 
-Symmetry leaves ``phi`` in [0, pi/2]: a reversed flow reverses both, so ``P(phi + pi) = -P(phi)``, and
-a mirrored one has ``omega(-phi) = -omega(phi)``, ``P(s; -phi) = P(-s; phi)``. Hence ``omega`` is a
-series of ``sin phi, sin 3 phi, ...`` (a Newtonian melt has the first term, ``B``), and of the lowest
-pressure ``l`` and the highest ``h`` the one gives the other: ``l(pi - phi) = -h(phi)``. A power law
-has no rate of its own: ``omega`` and ``P`` are then the same at every rate.
+Symmetry leaves ``phi`` in [0, pi/2]: a reversed flow reverses both, so ``P(phi + pi) = -P(phi)``,
+and a mirrored one has ``omega(-phi) = -omega(phi)``, ``P(s; -phi) = P(-s; phi)``. Hence ``omega``
+is a series of ``sin phi, sin 3 phi, ...`` (a Newtonian melt has the first term, ``B``), and of the
+lowest pressure ``l`` and the highest ``h`` the one gives the other: ``l(pi - phi) = -h(phi)``. A
+power law has no rate of its own: ``omega`` and ``P`` are then the same at every rate.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ SPIN_ROUNDING = 2e-6
 
 SPREAD = (0.3, 15.0)
 """Rates that a fiber feels over the far field's: by the slow melt at its sides, and at its tip. A
-Carreau law (n = 0.35, r_e = 6, M = 4) is within 0.3 % of Newtonian below the one bound and within 0.1 % of a
-power law above the other."""
+Carreau law (n = 0.35, r_e = 6, M = 4) is within 0.3 % of Newtonian below the one bound and within
+0.1 % of a power law above the other."""
 
 FLAT = 0.03
 """Change of a law's index that begins its bend."""
@@ -56,11 +57,12 @@ WIDEST = (1e-6, 1e8)
 
 
 def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
-    """Return the rates [1/s] between which a fiber's answer changes with the rate; the same twice if none.
+    """Return the rates [1/s] between which a fiber's answer changes; the same twice if none.
 
     Below the first and above the second the law is a power law (of index 1, or its own) all over
-    the rates that a fiber makes of one, `SPREAD`. A pure power law's lowest rate is a regularisation
-    and no property of the melt, so that it is left out: the answer is the same at all rates.
+    the rates that a fiber makes of one, `SPREAD`. A pure power law's lowest rate is a
+    regularisation and no property of the melt, so that it is left out: the answer is the same at
+    all rates.
     """
     if law.is_newtonian or isinstance(law, PowerLaw):
         return 1.0, 1.0
@@ -79,13 +81,13 @@ class SpinSeries:
     coefficients: Array
 
     def __call__(self, phase: Array) -> Array:
-        """Return ``omega`` [-] at angles that broadcast with the rates, by Clenshaw's recurrence."""
+        """Return ``omega`` [-] at angles that broadcast with the rates (Clenshaw's sum)."""
         sine = np.sin(phase)
         twice = 2.0 - 4.0 * sine * sine  # 2 cos 2 phi
         last = before = np.zeros_like(sine)
         for b in self.coefficients[:0:-1]:
             last, before = b + twice * last - before, last
-        # sin(2k+1)phi / sin phi = T_k + T_(k-1), T the recurrence of cos 2 phi that starts with 1, twice + 1
+        # sin 3 phi = (twice + 1) sin phi
         return np.asarray(sine * (self.coefficients[0] + (twice + 1.0) * last - before))
 
 
@@ -111,7 +113,8 @@ class ThinningResponse:
     pressure : (r, f, m) array
         The whole surface at ``phi = pi j/(2 (f - 1))``, where it was solved for.
     spin_error, pressure_error : float
-        Estimated error of ``omega`` [-], and of the extremes over the largest pressure; NaN if unknown.
+        Estimated error of ``omega`` [-], and of the extremes over the largest pressure; NaN if
+        unknown.
 
     Raises
     ------
@@ -165,7 +168,7 @@ class ThinningResponse:
 
     @cached_property
     def covered(self) -> tuple[float, float]:
-        """Return the rates [1/s] between which the table answers: beyond where the law bends, all."""
+        """Return the rates [1/s] between which the table answers; all where the law has no bend."""
         low, high = bending_rates(self.law)
         return (
             0.0 if self.rate[0] <= low * (1 + 1e-9) or self.rate.size == 1 else float(self.rate[0]),
@@ -182,7 +185,7 @@ class ThinningResponse:
             np.min(rates) >= low * (1 - 1e-9) and np.max(rates) <= high * (1 + 1e-9)
         ):
             msg = (
-                f"gamma_dot = {np.min(rates):.4g} to {np.max(rates):.4g} 1/s: the fiber's table holds "
+                f"gamma_dot = {np.min(rates):.4g} to {np.max(rates):.4g} 1/s: the table holds "
                 f"from {low:.4g} to {high:.4g} 1/s; make one for these rates"
             )
             raise ConfigError(msg)
@@ -351,7 +354,7 @@ ARRAYS = ("rate", "spin", *EXTREMES, "surface", "pressure")
 
 
 def odd_sines(values: Array) -> Array:
-    """Return ``b_k`` of ``sum b_k sin((2k + 1) phi)`` from values at ``phi = pi j/(2 (f - 1))``, last axis.
+    """Return ``b_k`` of ``sum b_k sin((2k + 1) phi)`` from values at ``pi j/(2 (f - 1))``, last axis.
 
     ``f - 1`` terms through all but the first value, which is zero.
     """
@@ -377,7 +380,7 @@ def _spline(x: Array, values: Array) -> Any:
 
 
 def _fold(phase: ArrayLike, width: int) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the knot left of a phase folded to [0, pi], the part of the way, and the phase's sign."""
+    """Return the knot left of a phase folded to [0, pi], the part of the way, its sign."""
     turned = np.asarray(phase, dtype=np.float64)
     turned = turned - 2.0 * np.pi * np.rint(turned / (2.0 * np.pi))
     at = np.abs(turned) * ((width - 1) / np.pi)

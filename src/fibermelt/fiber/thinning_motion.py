@@ -1,10 +1,10 @@
 """Fibers followed along a path of a thinning melt: their angles, and the pressure on them.
 
-``theta_dot = W_21 + d omega(gamma_dot, 2 beta - 2 theta)``, with ``D = d (cos 2 beta, sin 2 beta)`` in
-the axes of the flow. It is not linear in a director any more: each angle is integrated, by the fifth
-order pair of Dormand and Prince (1980, doi 10.1016/0771-050X(80)90013-3), between the points of the path
-as `fibermelt.interpolation` has it. An interval is halved, for the paths that need it, until the pair's
-own error is within its share of the tolerance.
+``theta_dot = W_21 + d omega(gamma_dot, 2 beta - 2 theta)``, ``D = d (cos 2 beta, sin 2 beta)`` in
+the axes of the flow. It is not linear in a director any more: each angle is integrated, by the
+fifth order pair of Dormand and Prince (1980, doi 10.1016/0771-050X(80)90013-3), between the points
+of the path as `fibermelt.interpolation` has it. An interval is halved, for the paths that need it,
+until the pair's own error is within its share of the tolerance.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 TABLE_TOLERANCE = 1e-6
-"""Angle error over a path [rad] that is left to the integration: the table's own is 1e-5 per unit of
-strain."""
+"""Angle error over a path [rad] that is left to the integration: the table's own is 1e-5 per unit
+of strain."""
 
 MOST_HALVINGS = 12
 """Halvings of an interval, as many as Magnus' steps of a Newtonian fiber may need."""
@@ -164,7 +164,7 @@ def follow_thinning(
             if halvings > MOST_HALVINGS:
                 worst = float(path.time.reshape(-1, n)[left[0], k])
                 msg = (
-                    f"fiber motion: the interval from t = {worst:.6g} s turns too fast or too unevenly "
+                    f"fiber motion: the interval from t = {worst:.6g} s turns too fast or unevenly "
                     f"for {1 << MOST_HALVINGS} steps: give the history more points there"
                 )
                 raise ConvergenceError(msg)
@@ -192,7 +192,7 @@ def follow_thinning(
 
 @dataclass(frozen=True, eq=False)
 class _Stages:
-    """Spin, strain's size and double angle (..., stage, m, 1), and the series (..., stage, k, m, 1)."""
+    """Spin, size and double angle (..., stage, m, 1), and the series (..., stage, k, m, 1)."""
 
     spin: Array
     size: Array
@@ -214,7 +214,7 @@ class _Melt:
         self.turn = gradient.largest_change()
 
     def stages(self, line: Index, interval: Index, count: int, part: int) -> _Stages:
-        """Return what a step meets: the ``part``-th of ``count`` in intervals (..., 1) of lines (m,)."""
+        """Return what the ``part``-th of ``count`` steps meets, intervals (..., 1) of lines (m,)."""
         u = ((part + NODES) / count)[:, None, None]
         values = self.gradient((line, interval[..., None]), u)
         normal, shear, spin = np.moveaxis(values, -1, 0)[..., None]

@@ -25,26 +25,26 @@ __all__ = ["THINNING_NUMERICS", "solve_thinning"]
 Array = NDArray[np.float64]
 
 THINNING_NUMERICS = CellNumerics(order=5)
-"""How a thinning cell is solved: its grid is ten times sharper than a Newtonian one, and order 7 gains
-3e-4 of the largest pressure there at twice the cost (n = 0.35, M = 4, r_e = 6)."""
+"""How a thinning cell is solved: its grid is ten times sharper than a Newtonian one, and order 7
+gains 3e-4 of the largest pressure there at twice the cost (n = 0.35, M = 4, r_e = 6)."""
 
 PHASES = 13
 """Directions in a quarter turn: every 7.5 degrees."""
 
 RATES_PER_DECADE = 2.7
-"""Rates at which a law that bends is solved for, nine for a Carreau law: ``eta`` and its index change
-over decades."""
+"""Rates at which a law that bends is solved for, nine for a Carreau law: ``eta`` and its index
+change over decades."""
 
 PLATEAU = 1e-3
-"""Lowest rate of a power law over that of its table: at 1e-2 its pressures differ by 1e-3 where they
-are small, by 1e-4 where they are large (n = 0.35)."""
+"""Lowest rate of a power law over that of its table: at 1e-2 its pressures differ by 1e-3 where
+they are small, by 1e-4 where they are large (n = 0.35)."""
 
 READINGS = 8
 """Points between two nodes on the surface at which an extreme is looked for, before a parabola."""
 
 CUBIC_GAIN = 1.0 / 8.0
-"""What is left of an interpolation error when the spacing is halved: a cubic's falls to a sixteenth where
-all is smooth, and here, with corners between, by an order less."""
+"""What is left of an interpolation error when the spacing is halved: a cubic's falls to a sixteenth
+where all is smooth, and here, with corners between, by an order less."""
 
 FINER = 2
 """Orders that the estimate of the elements' error takes more."""
@@ -65,16 +65,17 @@ def solve_thinning(
     ----------
     fiber, domain_size
         As in `solve_cell`. An unbounded fiber is one in a large cell: at ``M`` = 40 the pressure
-        is within 0.4 % of the closed form for n = 1, nearer in a thinning melt, whose disturbance fades
-        faster.
+        is within 0.4 % of the closed form for n = 1, nearer in a thinning melt, whose disturbance
+        fades faster.
     law : ViscosityLaw
         The melt.
     numerics : CellNumerics, optional
-        Order, spacings, pressure level; `THINNING_NUMERICS` if not given. With ``estimate`` two cells
-        are solved once more, two orders higher, and the table is compared with one of half its points.
+        Order, spacings, pressure level; `THINNING_NUMERICS` if not given. With ``estimate`` two
+        cells are solved once more, two orders higher, and the table is compared with one of half
+        its points.
     rates : (2,) tuple of float, optional
-        Lowest and highest ``gamma_dot`` [1/s] that will be asked for; all if not given. A power law has
-        the same answer at every rate.
+        Lowest and highest ``gamma_dot`` [1/s] that will be asked for; all if not given. A power law
+        has the same answer at every rate.
     phases : int
         Directions in a quarter turn, odd, at least 5.
     workers : int, optional
@@ -193,7 +194,7 @@ def _response(
 
 
 def _between(surface: Array, phase: Array) -> Array:
-    """Return surface pressures (f', m) at phases in a quarter turn from those (f, m) of the table."""
+    """Return surface pressures (f', m) at phases in a quarter turn from the table's (f, m)."""
     mirrored = np.roll(surface[:, ::-1], 1, axis=1)
     wave = 2 * np.arange(surface.shape[0] - 1) + 1
     even = odd_cosines((0.5 * (surface + mirrored)).T)
@@ -216,7 +217,7 @@ def _angles(grid: CellGrid, column: Array) -> Array:
 def surface_extremes(
     pressure: Array, grid: CellGrid, order: int
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Return lowest and highest pressure, their eccentric angles [rad], and the tip's, from (k, m)."""
+    """Return lowest, highest pressure, their eccentric angles [rad], the tip's, from (k, m)."""
     count = pressure.shape[1] * READINGS
     column = np.arange(count) / (READINGS * order)
     angles = _angles(grid, column)
@@ -274,7 +275,7 @@ def _element_error(
     numerics: CellNumerics,
     whole: ThinningResponse,
 ) -> tuple[float, float]:
-    """Return how far spin and extremes are off two orders higher, along the fiber and between its axes."""
+    """Return how far spin and extremes are off, in two directions, from two orders higher."""
     finer = CellNumerics(
         order=numerics.order + FINER,
         angular_spacing=numerics.angular_spacing,

@@ -1,10 +1,11 @@
 """The confined fiber in a melt whose viscosity depends on the rate of deformation (NGSolve).
 
-The cell is that of `solve_cell`, its stress ``2 eta(gamma_dot) D``. Newton's method with the tangent
-``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D``, ``s = gamma_dot^2 = 2 D:D``; the spin is an unknown that
-virtual work closes: the reactions' work in turning the fiber, its torque, vanishes. Each step has
-two right-hand sides, the residual and the turning fiber. Lengths are in half-lengths, strains over
-the far field's size ``d``, stresses over ``eta(2 d) d``, so that all numbers are of order one.
+The cell is that of `solve_cell`, its stress ``2 eta(gamma_dot) D``. Newton's method with the
+tangent ``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D``, ``s = gamma_dot^2 = 2 D:D``; the spin is an
+unknown that virtual work closes: the reactions' work in turning the fiber, its torque, vanishes.
+Each step has two right-hand sides, the residual and the turning fiber. Lengths are in half-lengths,
+strains over the far field's size ``d``, stresses over ``eta(2 d) d``, so that all numbers are of
+order one.
 """
 
 from __future__ import annotations
@@ -32,15 +33,16 @@ Array = NDArray[np.float64]
 
 SHARPENING = 10.0
 """How much finer than a Newtonian cell at the tip and the surface: where nothing deforms, as at the
-tip in a stretch, a thinning melt is stiff, and the lowest pressure lies just beside. n = 0.35, M = 4,
-r_e = 6: -4.371 without at order 7, -4.433 with it at order 5, -4.432 at order 7."""
+tip in a stretch, a thinning melt is stiff, and the lowest pressure lies just beside. n = 0.35, M =
+4, r_e = 6: -4.371 without at order 7, -4.433 with it at order 5, -4.432 at order 7."""
 
 RESIDUAL_TOLERANCE = 1e-5
 """Largest residual of momentum and torque, in units in which the load is of order one: spin and
 pressure are then off by 1e-6 and 1e-5, a hundredth of what the elements leave."""
 
 MOST_STEPS = 60
-"""Newton steps; 5 to 20 are taken. The last ones, near points of no deformation, gain a half each."""
+"""Newton steps; 5 to 20 are taken. The last ones, near points of no deformation, gain a half
+each."""
 
 SMALLEST_STEP = 2.0**-10
 """Part of a Newton step below which there is no descent to be found."""
@@ -49,7 +51,8 @@ DESCENT = 0.1
 """Part of the fall that a step promises which it has to keep."""
 
 CONTINUATION = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Powers of the viscosity's variation that lead from the Newtonian melt, where Newton fails alone."""
+"""Powers of the viscosity's variation that lead from the Newtonian melt, where Newton fails
+alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +76,7 @@ class CellAnswer:
 
 
 def thinning_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid:
-    """Return the grid of a cell in a thinning melt; refuse one that it cannot have (`ConfigError`)."""
+    """Return the grid of a thinning melt's cell, or refuse it (`ConfigError`)."""
     grid = cell_grid(fiber, domain_size, numerics)
     if not isinstance(grid, CellGrid):
         msg = 'numerics.cell mesh = "paper": a thinning melt needs the "graded" mesh'
@@ -200,7 +203,7 @@ class ThinningCell:
                 return CellAnswer(self.spin, self._surface_pressure(), steps)
             self.spin, self.started = 0.0, False
         msg = (
-            f"fiber cell: residual {left:.1e} after {steps} Newton steps at a rate of {rate:g} 1/s, "
+            f"fiber cell: residual {left:.1e} after {steps} Newton steps at {rate:g} 1/s, "
             f"bound {RESIDUAL_TOLERANCE:g}: the melt thins too steeply; take a larger melt.index"
         )
         raise ConvergenceError(msg)
@@ -212,7 +215,7 @@ class ThinningCell:
         return float(np.hypot(ng.Norm((self.free * self.residual.vec).Evaluate()), torque))
 
     def _newton(self) -> tuple[int, float]:
-        """Take Newton steps with backtracking until the residual is small; return count and rest."""
+        """Take Newton steps with backtracking until little is left; return count and rest."""
         left = self._left()
         for taken in range(MOST_STEPS):
             if not left > RESIDUAL_TOLERANCE:

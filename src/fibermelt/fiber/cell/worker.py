@@ -1,8 +1,8 @@
 """Cells solved by a process of their own: NGSolve is entered by one thread of a process at a time.
 
-``python -m fibermelt.fiber.cell.worker`` takes a pickled `Task` from its input and gives the answers, or
-the error, to its output. A plain child process: it does not run the caller's script again, as those of
-multiprocessing do, and a worker of a cluster may start it.
+``python -m fibermelt.fiber.cell.worker`` takes a pickled `Task` from its input and gives the
+answers, or the error, to its output. A plain child process: it does not run the caller's script
+again, as those of multiprocessing do, and a worker of a cluster may start it.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ class Task:
 
 
 def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
-    """Return the answers of tasks that run side by side: the first here, each other in its own process.
+    """Return the answers of tasks that run side by side: the first here, each other in its own
+    process.
 
     Raises
     ------
@@ -79,7 +80,10 @@ def _answers(process: subprocess.Popen[bytes]) -> list[CellAnswer]:
     assert process.stdout is not None
     told = process.stdout.read()
     if process.wait() != 0 or not told:
-        msg = f"fiber cell: a process that solves cells ended with code {process.returncode}: try workers = 1"
+        msg = (
+            f"fiber cell: a process that solves cells ended with code {process.returncode}: try "
+            "workers = 1"
+        )
         raise ConvergenceError(msg)
     found: list[CellAnswer] | FibermeltError = pickle.loads(told)
     if isinstance(found, FibermeltError):
