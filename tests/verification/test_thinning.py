@@ -1,4 +1,4 @@
-"""The confined ellipse in a thinning melt: exact limits, anchors, the table against direct solves."""
+"""The confined ellipse in a thinning melt: limits, anchors, the table against direct solves."""
 
 from __future__ import annotations
 

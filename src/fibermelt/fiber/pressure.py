@@ -265,7 +265,7 @@ def newtonian_viscosity(viscosity: Viscosity, size: Array) -> float | Array:
     if isinstance(viscosity, ViscosityLaw):
         if not viscosity.is_newtonian:
             msg = (
-                f"melt {viscosity}: thins, and the fiber's response is of a Newtonian melt: make "
+                f"melt {viscosity}: thins, and the response is of a Newtonian melt: make "
                 "its table (solve_thinning), or ask for the approximation by name, LocalViscosity(law)"
             )
             raise ConfigError(msg)

@@ -354,7 +354,7 @@ ARRAYS = ("rate", "spin", *EXTREMES, "surface", "pressure")
 
 
 def odd_sines(values: Array) -> Array:
-    """Return ``b_k`` of ``sum b_k sin((2k + 1) phi)`` from values at ``pi j/(2 (f - 1))``, last axis.
+    """Return ``b_k`` of ``sum b_k sin((2k + 1) phi)`` from ``phi = pi j/(2 (f - 1))``, last axis.
 
     ``f - 1`` terms through all but the first value, which is zero.
     """

@@ -214,7 +214,7 @@ class _Melt:
         self.turn = gradient.largest_change()
 
     def stages(self, line: Index, interval: Index, count: int, part: int) -> _Stages:
-        """Return what the ``part``-th of ``count`` steps meets, intervals (..., 1) of lines (m,)."""
+        """Return what the ``part``-th of ``count`` steps meets in intervals (..., 1) of lines."""
         u = ((part + NODES) / count)[:, None, None]
         values = self.gradient((line, interval[..., None]), u)
         normal, shear, spin = np.moveaxis(values, -1, 0)[..., None]

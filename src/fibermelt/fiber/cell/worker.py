@@ -40,8 +40,7 @@ class Task:
 
 
 def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
-    """Return the answers of tasks that run side by side: the first here, each other in its own
-    process.
+    """Return the answers of tasks side by side: the first here, each other in its own process.
 
     Raises
     ------
