@@ -266,7 +266,7 @@ def newtonian_viscosity(viscosity: Viscosity, size: Array) -> float | Array:
         if not viscosity.is_newtonian:
             msg = (
                 f"melt {viscosity}: thins, and the response is of a Newtonian melt: make "
-                "its table (solve_thinning), or ask for the approximation by name, LocalViscosity(law)"
+                "its table (solve_thinning), or ask for the approximation, LocalViscosity(law)"
             )
             raise ConfigError(msg)
         return float(viscosity.viscosity_at(1.0))
