@@ -72,10 +72,10 @@ def test_a_newtonian_table_is_the_linear_fiber() -> None:
 def test_quantiles_are_those_without_a_sample() -> None:
     path = history()
     found = isotropic_pressure(path, table(), MELT, 1.5)
-    # between the values of neighbouring fibers, each of which stands for 1/200
+    # an arc of angles has two ends, at each of which one fiber of the 200 may be in or out
     low, high = (
         isotropic_pressure(path, LINEAR, 817.0, 1.5, tuple(q + by for q in (0.05, 0.5, 0.95)))
-        for by in (-1 / 200, 1 / 200)
+        for by in (-1 / 100, 1 / 100)
     )
     for name in ("lowest", "highest", "extremes"):
         values = getattr(found, name)

@@ -145,6 +145,9 @@ class ThinningResponse:
             if not np.all(np.isfinite(owned)):
                 msg = f"thinning response: {name} has values that are not finite"
                 raise ConfigError(msg)
+        if not (np.isfinite(self.aspect_ratio) and self.aspect_ratio >= 1):
+            msg = f"response: aspect_ratio = {self.aspect_ratio:g} must be at least 1"
+            raise ConfigError(msg)
         r = self.rate.size
         if (
             self.rate.shape != (r,)
