@@ -26,6 +26,7 @@ from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.fiber.section import planar_section
 from fibermelt.fiber.spatial import follow_spatial
 from fibermelt.history import FlowHistory, simple_shear
+from fibermelt.melt import Newtonian
 
 AXIS = np.array([1.0, 0.0, 0.0])
 SHEAR = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
@@ -107,6 +108,9 @@ RATIOS: dict[str, Call] = {
         r, np.array(1.0), np.array(0.0), np.array(0.0)
     ),
     "ellipse_extremes": lambda r: fiber.ellipse_extremes(r, np.array(1.0), np.array(0.0)),
+    "ThinningResponse": lambda r: fiber.ThinningResponse.from_extremes(
+        r, Newtonian(1.0), np.ones(1), *(np.zeros((1, 5)) for _ in range(4))
+    ),
     "FiberResponse": lambda r: fiber.FiberResponse(r, 0.9, PLANE.surface, PLANE.basis),
 }
 EQUIVALENTS: dict[str, Call] = {
@@ -277,7 +281,7 @@ ASKED = {"gradient", "direction", "directions", "aspect_ratio", "shear_rate", "a
 def test_the_list_is_complete(name: str) -> None:
     """Whatever takes one of these is refused something above, or is what comes out of a stage."""
     results = {"EllipseField", "SpheroidResponse", "Motion", "DirectorMotion", "NewtonMotion"}
-    results |= {"Tumbling"}
+    results |= {"Tumbling", "ThinningMotion"}
     results |= {"Extremes"}  # plain values with these names: nothing asks for them
     cells = {"orbit_newton"}  # needs a cell: see the verification tests
     if name in results | cells or inspect.isabstract(getattr(fiber, name)):

@@ -1,6 +1,7 @@
 """The fiber: its shape, its motion along a flow history, the pressure on its surface.
 
-Only `solve_cell` and `build_system` need the finite elements; they are loaded when first named.
+Only `solve_cell`, `solve_thinning` and `build_system` need the finite elements; they are loaded
+when first named.
 """
 
 from __future__ import annotations
@@ -64,6 +65,7 @@ from fibermelt.fiber.orbit import Orbit, orbit
 from fibermelt.fiber.paths import PathBundle
 from fibermelt.fiber.population import IsotropicPressure, isotropic_pressure
 from fibermelt.fiber.pressure import (
+    LocalViscosity,
     PressureBounds,
     SurfacePressure,
     pressure_bounds,
@@ -79,10 +81,12 @@ from fibermelt.fiber.spheroid import (
 )
 from fibermelt.fiber.stall import paper_stall_angle, stall_curve
 from fibermelt.fiber.stall_data import StallCurve
+from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.fiber.thinning_motion import ThinningMotion, ThinningPressure
 from fibermelt.fiber.tumbling import Tumbling, tumble, turn_times, turned_angle
 
 if TYPE_CHECKING:
-    from fibermelt.fiber.cell import build_system, solve_cell
+    from fibermelt.fiber.cell import build_system, solve_cell, solve_thinning
 
 __all__ = [
     "CellError",
@@ -101,6 +105,7 @@ __all__ = [
     "FiberResponse",
     "GradientPath",
     "IsotropicPressure",
+    "LocalViscosity",
     "Motion",
     "NewtonMotion",
     "Orbit",
@@ -111,6 +116,9 @@ __all__ = [
     "StallCurve",
     "SurfaceExtremes",
     "SurfacePressure",
+    "ThinningMotion",
+    "ThinningPressure",
+    "ThinningResponse",
     "Tumbling",
     "angle_to_stream",
     "angle_to_stream_at",
@@ -147,6 +155,7 @@ __all__ = [
     "planar_directions",
     "pressure_bounds",
     "solve_cell",
+    "solve_thinning",
     "stall_curve",
     "statistics",
     "surface_pressure",
@@ -164,7 +173,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Load the finite elements when a cell is asked for."""
-    if name in ("build_system", "solve_cell"):
+    if name in ("build_system", "solve_cell", "solve_thinning"):
         from fibermelt.fiber import cell  # noqa: PLC0415  # a second's import, on demand only
 
         return getattr(cell, name)

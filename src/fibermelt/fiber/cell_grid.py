@@ -52,25 +52,34 @@ class CellGrid:
     angular_spacing, radial_spacing : float
         Largest element in the stretched coordinates [-], where the distance to the nearest
         singularity is about one: smaller is finer.
+    sharpening : float
+        How many times nearer to the tip and the surface than the above the grid is fine [-]. One in
+        a Newtonian melt; a thinning one varies around the points of the surface where nothing
+        deforms, the tip in a stretch along the fiber.
     """
 
     semi_minor: float
     radius: float
     angular_spacing: float
     radial_spacing: float
+    sharpening: float = 1.0
 
     @cached_property
     def focal_depth(self) -> float:
-        """Return ``xi_0``, the conformal distance of the foci below the surface [-], bounded."""
+        """Return ``xi_0``, the conformal distance of the foci below the surface [-], bounded.
+
+        Over the sharpening.
+        """
         b = self.semi_minor
-        return LARGEST_STRETCH if b >= math.tanh(LARGEST_STRETCH) else math.atanh(b)
+        depth = LARGEST_STRETCH if b >= math.tanh(LARGEST_STRETCH) else math.atanh(b)
+        return depth / self.sharpening
 
     @cached_property
     def tip_width(self) -> float:
         """Return the eccentric angle over which the tip's pressure varies [rad]."""
         gap, b = self.radius - 1.0, self.semi_minor
         lubrication = math.sqrt(2.0 * gap / (1.0 - b * b)) if b < 1.0 else math.inf
-        return min(self.focal_depth, lubrication)
+        return min(self.focal_depth, lubrication / self.sharpening)
 
     @cached_property
     def stretch(self) -> float:

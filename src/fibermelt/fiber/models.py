@@ -26,7 +26,7 @@ from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.jeffery import unbounded_ellipse
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
-from fibermelt.fiber.paths import Path
+from fibermelt.fiber.paths import Path, strain_polar
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
     QUANTILE_LEVELS,
@@ -34,7 +34,7 @@ from fibermelt.fiber.population import (
     isotropic_pressure,
     population_quantiles,
 )
-from fibermelt.fiber.pressure import checked_viscosity
+from fibermelt.fiber.pressure import Viscosity, newtonian_viscosity
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.section import planar_section
 from fibermelt.fiber.shape import Ellipse
@@ -45,6 +45,7 @@ from fibermelt.fiber.spheroid import (
     embed_planar,
     unbounded_spheroid,
 )
+from fibermelt.fiber.thinning import ThinningResponse
 
 __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
 
@@ -68,16 +69,19 @@ class FiberModel:
         Its answer while it lies in the plane of the flow.
     spheroid : SpheroidResponse or None
         Its answer in any direction; None for an ellipse, which has no other.
+    thinning : ThinningResponse or None
+        Its answer in the plane of a melt that thins, whose ``response`` is the Newtonian one.
     """
 
     name: ModelName
     response: FiberResponse
     spheroid: SpheroidResponse | None = None
+    thinning: ThinningResponse | None = None
 
     def isotropic_pressure(
         self,
         path: Path,
-        viscosity: float,
+        viscosity: Viscosity,
         middle_time: ArrayLike,
         count: int = ISOTROPIC_COUNT,
         levels: tuple[float, ...] = QUANTILE_LEVELS,
@@ -89,6 +93,10 @@ class FiberModel:
         directions (`equal_area_directions`), between whose values quantiles are linear. The other
         parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
         """
+        if self.thinning is not None:
+            return isotropic_pressure(
+                path, self.thinning, viscosity, middle_time, levels, tolerance
+            )
         if self.spheroid is None:
             return isotropic_pressure(
                 path, self.response, viscosity, middle_time, levels, tolerance
@@ -131,7 +139,7 @@ def unbounded_model(name: ModelName, fiber: Ellipse) -> FiberModel:
 def _isotropic_spheroids(
     path: Path,
     spheroid: SpheroidResponse,
-    viscosity: float,
+    viscosity: Viscosity,
     middle_time: ArrayLike,
     count: int,
     levels: tuple[float, ...],
@@ -139,7 +147,6 @@ def _isotropic_spheroids(
 ) -> IsotropicPressure:
     """Return quantiles over spheroids that start isotropic in space, path by path."""
     initial = equal_area_directions(count)
-    scale = checked_viscosity(viscosity)
     deformation, _ = deformation_along(path, spheroid.shape_factor, tolerance)
     paths = itertools.count()
 
@@ -147,6 +154,8 @@ def _isotropic_spheroids(
         k = next(paths)
         directions = turned_directions(deformation.line(k), initial)
         gradient = embed_planar(one.gradient)
+        size, _ = strain_polar(one.gradient)
+        scale = newtonian_viscosity(viscosity, size)
         lowest, highest = spheroid.extreme_values(gradient, directions)
         lowest, highest = scale * lowest, scale * highest
         return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Protocol
+from typing import Protocol, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,8 @@ from fibermelt.fiber.paths import (
     stream_angle,
 )
 from fibermelt.fiber.propagator import Propagator, cumulate
+from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.fiber.thinning_motion import TABLE_TOLERANCE, ThinningMotion, follow_thinning
 
 __all__ = [
     "Motion",
@@ -110,20 +112,39 @@ class Motion:
     path: Path = field(repr=False)
 
 
+@overload
 def follow(
     path: Path,
     shape_factor: float,
     initial_angles: ArrayLike,
+    tolerance: float = ...,
+) -> Motion: ...
+
+
+@overload
+def follow(
+    path: Path,
+    shape_factor: ThinningResponse,
+    initial_angles: ArrayLike,
+    tolerance: float = ...,
+) -> ThinningMotion: ...
+
+
+def follow(
+    path: Path,
+    shape_factor: float | ThinningResponse,
+    initial_angles: ArrayLike,
     tolerance: float = ANGLE_TOLERANCE,
-) -> Motion:
+) -> Motion | ThinningMotion:
     """Follow fibers along a path from all initial angles at once.
 
     Parameters
     ----------
     path : FlowHistory or PathBundle
         One path (n points) or several of equal length (leading axis).
-    shape_factor : float
-        ``B`` [-] of the confined fiber, or Jeffery's ``xi``.
+    shape_factor : float or ThinningResponse
+        ``B`` [-] of the confined fiber, or Jeffery's ``xi``; in a melt that thins, the fiber's
+        table (`fibermelt.fiber.thinning_motion`; no tolerance below 1e-6 is worth its steps there).
     initial_angles : (n_angles,) array_like
         Angles from the x axis at the start [rad]; any number.
     tolerance : float
@@ -134,7 +155,7 @@ def follow(
 
     Returns
     -------
-    Motion
+    Motion or ThinningMotion
         Angles (..., n_angles, n), starting exactly at ``initial_angles``.
 
     Raises
@@ -145,6 +166,8 @@ def follow(
         If an interval needs more than ``2**16`` sub-steps.
     """
     angles = checked_angles(initial_angles)
+    if isinstance(shape_factor, ThinningResponse):
+        return follow_thinning(path, shape_factor, angles, max(tolerance, TABLE_TOLERANCE))
     deformation, substeps = deformation_along(path, shape_factor, tolerance)
     return turned(path, shape_factor, angles, deformation, substeps)
 

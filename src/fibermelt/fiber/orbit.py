@@ -25,7 +25,10 @@ from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
 from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.curve import TrigonometricCurve, fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
+from fibermelt.fiber.pressure import newtonian_viscosity, pressure_amplitude
 from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.melt import ViscosityLaw
 
 __all__ = ["Orbit", "checked_shear", "orbit", "tumbling_period"]
 
@@ -37,6 +40,11 @@ rounding. A circle ties everywhere; finite elements break its ties at their own 
 
 ANGLE_TOLERANCE = 1e-14
 """Bound of a root's error in the eccentric angle [rad]; rounding leaves about 1e-13."""
+
+
+TURN_POINTS = 4096
+"""Directions of a turn in a melt that thins: knots of the table's extremes, and of a rule that
+converges like ``exp(-2 x 4096/r_e)``."""
 
 
 @dataclass(frozen=True)
@@ -88,18 +96,21 @@ class Orbit:
 
 
 def orbit(
-    response: FiberResponse, shear_rate: float, viscosity: float, angle: float = 0.0
+    response: FiberResponse | ThinningResponse,
+    shear_rate: float,
+    viscosity: float | ViscosityLaw,
+    angle: float = 0.0,
 ) -> Orbit:
     """Return a fiber's orbit in simple shear from its response: exact, continuous in its angle.
 
     Parameters
     ----------
-    response : FiberResponse
+    response : FiberResponse or ThinningResponse
         Confined or unbounded.
     shear_rate : float
         ``gamma_dot`` [1/s] of ``u_x = gamma_dot y``, positive.
-    viscosity : float
-        ``mu`` [Pa s], positive.
+    viscosity : float or ViscosityLaw
+        ``mu`` [Pa s], positive; of a melt that thins, its law and the fiber's table in it.
     angle : float
         Angle from the flow direction at the start [rad]. It decides nothing but ties: where the
         lowest pressure is reached at several angles, the first on the way is named.
@@ -114,9 +125,12 @@ def orbit(
     An unbounded ellipse has ``mu gamma_dot (1 + r_e)``, at its tips, lowest at 45 degrees from the
     flow (Jeffery 1922, doi 10.1098/rspa.1922.0078; the paper's Eq. 24-25 and Fig. 9).
     """
+    if isinstance(response, ThinningResponse):
+        return _thinning_orbit(response, shear_rate, viscosity, angle)
     refuse_other("response", response, FiberResponse)
-    shear_rate, viscosity, angle = checked_shear(shear_rate, viscosity, angle)
-    amplitude = 0.5 * viscosity * shear_rate
+    constant = float(newtonian_viscosity(viscosity, np.asarray(0.5 * shear_rate)))
+    shear_rate, constant, angle = checked_shear(shear_rate, constant, angle)
+    amplitude = 0.5 * constant * shear_rate
     lowest_at, where = _lowest(response, angle)
     highest = amplitude * response.curve.farthest
     tip = amplitude * float(np.hypot(*response.tip))
@@ -132,6 +146,49 @@ def orbit(
         tip_min=-tip,
         angle_at_min=lowest_at,
         where_at_min=where,
+    )
+
+
+def _thinning_orbit(
+    response: ThinningResponse, shear_rate: float, viscosity: float | ViscosityLaw, start: float
+) -> Orbit:
+    """Return the orbit of a fiber in a melt that thins.
+
+    ``theta_dot = (gamma_dot/2)(omega(pi/2 - 2 theta) - 1)``: its inverse is periodic and smooth, so
+    trapezoidal rule integrates over the turn. ``B`` is ``omega`` along the flow, as the spins along
+    and across it differ by ``gamma_dot B``.
+    """
+    rate, _, start = checked_shear(shear_rate, 1.0, start)
+    amplitude = float(pressure_amplitude(response, viscosity, np.asarray(0.5 * rate)))
+    phase = 2.0 * np.pi * np.arange(TURN_POINTS) / TURN_POINTS
+    omega = response.series(rate)
+    spin = omega(phase) - 1.0
+    factor = float(omega(np.asarray(0.5 * np.pi)))
+    stall, period = None, None
+    if np.max(spin) >= 0.0:
+        # the stable rest has theta > 0: omega falls to 1 as phi falls from its top
+        top = float(phase[np.argmax(spin)])
+        at = brentq(lambda phi: float(omega(np.asarray(phi))) - 1.0, 0.0, top, xtol=1e-12)
+        stall = 0.5 * (0.5 * math.pi - at)
+    else:
+        period = float(2.0 * 2.0 * np.pi / rate * np.mean(-1.0 / spin))
+    lowest = response.lowest_at(rate, phase)
+    deepest = lowest <= lowest.min() + TIE_TOLERANCE * float(np.max(response.largest))
+    angles = 0.5 * (0.5 * np.pi - phase[deepest])
+    first = int(np.argmin((start - angles) % math.pi))
+    tip = response.tip_at(rate, phase)
+    return Orbit(
+        period=period,
+        period_jeffery=jeffery_period(response.aspect_ratio, rate),
+        shape_factor=factor,
+        stalls=stall is not None,
+        stall_angle=stall,
+        max_pressure=-amplitude * float(lowest.min()),
+        min_pressure=amplitude * float(lowest.min()),
+        tip_max=amplitude * float(tip.max()),
+        tip_min=amplitude * float(tip.min()),
+        angle_at_min=float(fold_angle(angles)[first]),
+        where_at_min=float(response.where_lowest_at(rate, phase[deepest])[first]),
     )
 
 

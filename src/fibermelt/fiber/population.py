@@ -15,14 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, refuse_other
-from fibermelt.fiber.extremes import before_middle
+from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.level_sets import LevelSets
-from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
+from fibermelt.fiber.motion import (
+    ANGLE_TOLERANCE,
+    deformation_along,
+    follow,
+    isotropic_angles,
+)
 from fibermelt.fiber.paths import Path, checked_path, single_paths, strain_polar
-from fibermelt.fiber.pressure import checked_viscosity
+from fibermelt.fiber.pressure import Viscosity, pressure_amplitude, surface_pressure
 from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shares import alignment, height_quantiles
+from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.fiber.unions import Problems, extreme_quantiles, turning_points
 
 __all__ = ["QUANTILE_LEVELS", "IsotropicPressure", "isotropic_pressure", "population_quantiles"]
@@ -34,6 +40,9 @@ QUANTILE_LEVELS = (0.05, 0.5, 0.95)
 
 ISOTROPIC_COUNT = 200
 """Initial directions in space: the 5 % quantile then has ten fibers below it."""
+
+PLANAR_COUNT = 200
+"""Fibers in the plane of a thinning melt: a quantile's level is then off by 1/400."""
 
 BLOCK = 1 << 13
 """Points of paths taken at a time: their arrays then stay in the cache."""
@@ -65,8 +74,8 @@ class IsotropicPressure:
 
 def isotropic_pressure(
     path: Path,
-    response: FiberResponse,
-    viscosity: float,
+    response: FiberResponse | ThinningResponse,
+    viscosity: Viscosity,
     middle_time: ArrayLike,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
     tolerance: float = ANGLE_TOLERANCE,
@@ -74,16 +83,17 @@ def isotropic_pressure(
     """Return quantiles of pressures and extremes for an isotropic start in the plane.
 
     Exact for the points of the path, but for `fibermelt.fiber.level_sets.LEVEL_TOLERANCE`: no
-    fiber is sampled.
+    fiber is sampled. In a melt that thins there is no closed form: `PLANAR_COUNT` fibers of equal
+    weight are followed, between whose values quantiles are linear.
 
     Parameters
     ----------
     path : FlowHistory or PathBundle
         One path or several; a few are taken at a time, so memory does not grow with them.
-    response : FiberResponse
+    response : FiberResponse or ThinningResponse
         The fibers' response.
-    viscosity : float
-        ``mu`` [Pa s].
+    viscosity : float, ViscosityLaw or LocalViscosity
+        The melt, as in `surface_pressure`.
     middle_time : float or (...) array
         Time at the middle of the capillary [s], as in `extremes`.
     levels : tuple of float
@@ -101,9 +111,11 @@ def isotropic_pressure(
     """
     _refuse_levels(levels)
     checked_path(path)
+    if isinstance(response, ThinningResponse):
+        return _followed_quantiles(path, response, viscosity, middle_time, levels, tolerance)
     refuse_other("response", response, FiberResponse)
     size, double = strain_polar(path.gradient)
-    amplitude = checked_viscosity(viscosity) * size
+    amplitude = pressure_amplitude(response, viscosity, size)
     deformation, _ = deformation_along(path, response.shape_factor, tolerance)
     lead, n = path.time.shape[:-1], path.time.shape[-1]
     before = before_middle(path, middle_time).reshape(-1, n)
@@ -118,6 +130,36 @@ def isotropic_pressure(
     return IsotropicPressure(
         np.array(levels), *(values.reshape(*lead, *values.shape[1:]) for values in stacked)
     )
+
+
+def _followed_quantiles(
+    path: Path,
+    response: ThinningResponse,
+    viscosity: Viscosity,
+    middle_time: ArrayLike,
+    levels: tuple[float, ...],
+    tolerance: float,
+) -> IsotropicPressure:
+    """Return quantiles over fibers that are followed; the map of their angles is one-to-one."""
+    start = isotropic_angles(PLANAR_COUNT)
+    motion = follow(path, response, start, tolerance)
+    found = surface_pressure(path, response, viscosity, motion)
+    before = before_middle(path, middle_time)
+    n = path.time.shape[-1]
+    shape = (-1, PLANAR_COUNT, n)
+    lines = zip(
+        found.lowest.reshape(shape),
+        found.highest.reshape(shape),
+        before.reshape(-1, n),
+        strict=True,
+    )
+    parts = [
+        [_quantiles(one, levels) for one in (low, high, extreme_values(low, high, here))]
+        for low, high, here in lines
+    ]
+    lead = path.time.shape[:-1]
+    stacked = [np.stack(part).reshape(*lead, *part[0].shape) for part in zip(*parts, strict=True)]
+    return IsotropicPressure(np.array(levels), *stacked)
 
 
 @dataclass(frozen=True, eq=False)

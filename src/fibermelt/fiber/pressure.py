@@ -9,28 +9,56 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.arrays import Unchanging
-from fibermelt.errors import refuse_other
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.motion import Turning
 from fibermelt.fiber.paths import Path, checked_path, refuse_another_path, strain_polar
 from fibermelt.fiber.response import FiberResponse
+from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.fiber.thinning_motion import ThinningPressure
+from fibermelt.melt import ViscosityLaw
 
 __all__ = [
+    "LocalViscosity",
     "PressureBounds",
     "SurfaceHistory",
     "SurfacePressure",
+    "Viscosity",
     "checked_viscosity",
+    "newtonian_viscosity",
+    "pressure_amplitude",
     "pressure_bounds",
     "surface_pressure",
 ]
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LocalViscosity:
+    """A thinning melt taken for a Newtonian one of its viscosity at the fiber.
+
+    An approximation, hence it has to be named: the pressure is the Newtonian response's times
+    ``eta(gamma_dot)`` of the far field. A fiber of ``r_e = 6`` in the paper's cell
+    has 0.71 (n = 0.7) or 0.45 (n = 0.35) of it.
+
+    Parameters
+    ----------
+    law : ViscosityLaw
+        The melt.
+    """
+
+    law: ViscosityLaw
+
+
+Viscosity = float | ViscosityLaw | LocalViscosity
+"""What a pressure is taken from: ``mu`` [Pa s], a law, or a law by its local viscosity."""
 
 
 class SurfaceHistory(Protocol):
@@ -132,53 +160,127 @@ class PressureBounds:
     mildest_highest: Array
 
 
+@overload
 def surface_pressure(
-    path: Path, response: FiberResponse, viscosity: float, motion: Turning
-) -> SurfacePressure:
+    path: Path, response: FiberResponse, viscosity: Viscosity, motion: Turning
+) -> SurfacePressure: ...
+
+
+@overload
+def surface_pressure(
+    path: Path, response: ThinningResponse, viscosity: Viscosity, motion: Turning
+) -> ThinningPressure: ...
+
+
+def surface_pressure(
+    path: Path, response: FiberResponse | ThinningResponse, viscosity: Viscosity, motion: Turning
+) -> SurfacePressure | ThinningPressure:
     """Return the lowest and highest surface pressure of every fiber at every point of its path.
 
     Parameters
     ----------
     path : FlowHistory or PathBundle
         The path that the fibers were followed along.
-    response : FiberResponse
+    response : FiberResponse or ThinningResponse
         Their pressure response (confined or unbounded).
-    viscosity : float
-        ``mu`` of the melt [Pa s], positive; all pressures are proportional to it.
+    viscosity : float, ViscosityLaw or LocalViscosity
+        ``mu`` of the melt [Pa s], positive; all pressures are proportional to it. A melt that thins
+        has the fiber's table of that melt for a response, unless its `LocalViscosity` is asked for.
     motion : Turning
         Their angles along the path.
 
     Raises
     ------
     ConfigError
-        If the viscosity is not positive, or the response is none.
+        If the viscosity is not positive, the response none, or one of another melt.
     HistoryError
         If the fibers were followed along another path.
     """
-    refuse_other("response", response, FiberResponse)
+    _refuse_no_response(response)
     refuse_another_path(path, motion.path)
     size, double = strain_polar(path.gradient)
-    amplitude = checked_viscosity(viscosity) * size
+    amplitude = pressure_amplitude(response, viscosity, size)
     phase = double[..., None, :] - 2.0 * motion.angle
+    if isinstance(response, ThinningResponse):
+        rate = 2.0 * size
+        lowest = response.lowest_at(rate[..., None, :], phase) * amplitude[..., None, :]
+        highest = response.lowest_at(rate[..., None, :], phase + np.pi)
+        highest *= -amplitude[..., None, :]
+        return ThinningPressure(lowest, highest, phase, amplitude, rate, response, path)
     lowest, highest = response.support.both(phase)
     lowest *= amplitude[..., None, :]
     highest *= amplitude[..., None, :]
     return SurfacePressure(lowest, highest, phase, amplitude, response, path)
 
 
-def pressure_bounds(path: Path, response: FiberResponse, viscosity: float) -> PressureBounds:
+def pressure_bounds(
+    path: Path, response: FiberResponse | ThinningResponse, viscosity: Viscosity
+) -> PressureBounds:
     """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
 
-    ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled. Parameters as in
-    `surface_pressure`.
+    ``-+ mu d max h`` and ``-+ mu d min h``: exact, no angle is sampled; of a table, the extremes
+    over its directions at each point's rate. Parameters as in `surface_pressure`.
     """
-    refuse_other("response", response, FiberResponse)
+    _refuse_no_response(response)
     checked_path(path)
     size, _ = strain_polar(path.gradient)
-    amplitude = checked_viscosity(viscosity) * size
+    amplitude = pressure_amplitude(response, viscosity, size)
+    if isinstance(response, ThinningResponse):
+        low, mild = response.bounds(2.0 * size)
+        return PressureBounds(
+            amplitude * low, -amplitude * low, amplitude * mild, -amplitude * mild
+        )
     worst = amplitude * response.support.largest
     mildest = amplitude * response.support.smallest
     return PressureBounds(-worst, worst, -mildest, mildest)
+
+
+def pressure_amplitude(
+    response: FiberResponse | ThinningResponse, viscosity: Viscosity, size: Array
+) -> Array:
+    """Return what multiplies a response's pressure, ``eta d`` [Pa], at strains of size ``d``.
+
+    Raises
+    ------
+    ConfigError
+        If the viscosity is not positive, or the melt not the response's.
+    """
+    if isinstance(response, ThinningResponse):
+        if viscosity != response.law:
+            msg = (
+                f"melt {viscosity}: the fiber's table is of {response.law}; give that one, or make "
+                "a table for this"
+            )
+            raise ConfigError(msg)
+        return np.asarray(response.law.viscosity_at(2.0 * size) * size)
+    return np.asarray(newtonian_viscosity(viscosity, size) * size)
+
+
+def newtonian_viscosity(viscosity: Viscosity, size: Array) -> float | Array:
+    """Return what stands for ``mu`` [Pa s] in a Newtonian response, at strains of size ``d`` [1/s].
+
+    Raises
+    ------
+    ConfigError
+        If it is not positive, or a law that thins was not asked for by its local viscosity.
+    """
+    if isinstance(viscosity, LocalViscosity):
+        return viscosity.law.viscosity_at(2.0 * size)
+    if isinstance(viscosity, ViscosityLaw):
+        if not viscosity.is_newtonian:
+            msg = (
+                f"melt {viscosity}: thins, and the response is of a Newtonian melt: make "
+                "its table (solve_thinning), or ask for the approximation, LocalViscosity(law)"
+            )
+            raise ConfigError(msg)
+        return float(viscosity.viscosity_at(1.0))
+    return checked_viscosity(viscosity)
+
+
+def _refuse_no_response(response: object) -> None:
+    """Refuse what does not answer for a fiber (`ConfigError`)."""
+    if not isinstance(response, ThinningResponse):
+        refuse_other("response", response, FiberResponse)
 
 
 def checked_viscosity(viscosity: float) -> float:

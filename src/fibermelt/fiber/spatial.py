@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.checks import checked_positive, checked_unit
+from fibermelt.fiber.checks import checked_unit
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, follow
-from fibermelt.fiber.paths import Path, refuse_another_path
+from fibermelt.fiber.paths import Path, refuse_another_path, strain_polar
+from fibermelt.fiber.pressure import Viscosity, newtonian_viscosity
 from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.spheroid import SpheroidResponse, embed_planar
 
@@ -190,7 +191,7 @@ def turned_directions(deformation: Propagator, start: Array) -> Array:
 
 
 def spatial_pressure(
-    path: Path, spheroid: SpheroidResponse, viscosity: float, motion: SpatialMotion
+    path: Path, spheroid: SpheroidResponse, viscosity: Viscosity, motion: SpatialMotion
 ) -> SpatialPressure:
     """Return the lowest and highest surface pressure of every spheroid at every point of its path.
 
@@ -200,8 +201,8 @@ def spatial_pressure(
         The path that the fibers were followed along.
     spheroid : SpheroidResponse
         Their pressure response.
-    viscosity : float
-        ``mu`` of the melt [Pa s], positive.
+    viscosity : float, ViscosityLaw or LocalViscosity
+        The melt, as in `fibermelt.fiber.surface_pressure`.
     motion : SpatialMotion
         Their directions along the path.
 
@@ -213,7 +214,8 @@ def spatial_pressure(
         If the fibers were followed along another path.
     """
     refuse_another_path(path, motion.path)
-    scale = checked_positive("melt.viscosity", viscosity, "Pa s", "817")
+    size, _ = strain_polar(path.gradient)
+    scale = newtonian_viscosity(viscosity, size[..., None, :])
     gradient = embed_planar(path.gradient)[..., None, :, :, :]
     found = spheroid.extremes(gradient, motion.direction)
     return SpatialPressure(

@@ -1,0 +1,273 @@
+"""The confined fiber in a melt whose viscosity depends on the rate of deformation (NGSolve).
+
+The cell is that of `solve_cell`, its stress ``2 eta(gamma_dot) D``. Newton's method with the
+tangent ``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D``, ``s = gamma_dot^2 = 2 D:D``; the spin is an
+unknown that virtual work closes: the reactions' work in turning the fiber, its torque, vanishes.
+Each step has two right-hand sides, the residual and the turning fiber. Lengths are in half-lengths,
+strains over the far field's size ``d``, stresses over ``eta(2 d) d``, so that all numbers are of
+order one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.fiber.cell.mesh import EXTRA_QUADRATURE, curved_mesh, sample_nodes
+from fibermelt.fiber.cell.solve import cell_grid
+from fibermelt.fiber.cell.stokes import COMPRESSIBILITY
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.cell_grid import CellGrid
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.melt import ViscosityLaw
+
+__all__ = ["CellAnswer", "ThinningCell", "thinning_grid"]
+
+Array = NDArray[np.float64]
+
+SHARPENING = 10.0
+"""How much finer than a Newtonian cell at the tip and the surface: where nothing deforms, as at the
+tip in a stretch, a thinning melt is stiff, and the lowest pressure lies just beside. n = 0.35, M =
+4, r_e = 6: -4.371 without at order 7, -4.433 with it at order 5, -4.432 at order 7."""
+
+RESIDUAL_TOLERANCE = 1e-5
+"""Largest residual of momentum and torque, in units in which the load is of order one: spin and
+pressure are then off by 1e-6 and 1e-5, a hundredth of what the elements leave."""
+
+MOST_STEPS = 60
+"""Newton steps; 5 to 20 are taken. The last ones, near points of no deformation, gain a half
+each."""
+
+SMALLEST_STEP = 2.0**-10
+"""Part of a Newton step below which there is no descent to be found."""
+
+DESCENT = 0.1
+"""Part of the fall that a step promises which it has to keep."""
+
+CONTINUATION = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Powers of the viscosity's variation that lead from the Newtonian melt, where Newton fails
+alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class CellAnswer:
+    """What a fiber answers to one strain.
+
+    Parameters
+    ----------
+    spin : float
+        Torque-free spin relative to the melt's over ``d`` [-].
+    pressure : (k,) array
+        Pressure at the surface nodes ``s`` in [0, pi) over ``eta(2 d) d`` [-], ``k`` half of
+        ``columns * order``.
+    steps : int
+        Newton steps.
+    """
+
+    spin: float
+    pressure: Array
+    steps: int
+
+
+def thinning_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> CellGrid:
+    """Return the grid of a thinning melt's cell, or refuse it (`ConfigError`)."""
+    grid = cell_grid(fiber, domain_size, numerics)
+    if not isinstance(grid, CellGrid):
+        msg = 'numerics.cell mesh = "paper": a thinning melt needs the "graded" mesh'
+        raise ConfigError(msg)
+    return replace(grid, sharpening=SHARPENING)
+
+
+class ThinningCell:
+    """A fiber's cell in one melt; each answer starts from the last one.
+
+    Parameters
+    ----------
+    fiber, domain_size, numerics
+        As in `solve_cell`; the graded mesh only.
+    law : ViscosityLaw
+        The melt.
+
+    Raises
+    ------
+    ConfigError
+        If the fiber does not fit into its cell.
+    """
+
+    def __init__(
+        self, fiber: Ellipse, domain_size: float, law: ViscosityLaw, numerics: CellNumerics
+    ) -> None:
+        grid = thinning_grid(fiber, domain_size, numerics)
+        self.law, self.numerics, self.grid = law, numerics, grid
+        self.mesh = curved_mesh(grid, numerics.order)
+        order, mesh = numerics.order, self.mesh.mesh
+        velocity = ng.VectorH1(mesh, order=order, dirichlet="fiber|edge")
+        self.space = velocity * ng.H1(mesh, order=order - 1)
+        self.flow = ng.GridFunction(self.space)
+        self._rate, self._unit, self._power = (ng.Parameter(1.0) for _ in range(3))
+        self._forms()
+        self.free = ng.Projector(self.space.FreeDofs(), True)
+        self.turn = self._rigid((-ng.y, ng.x))
+        self.nodes = sample_nodes(self.mesh)
+        self.spin, self.started = 0.0, False
+
+    @property
+    def unknowns(self) -> int:
+        """Return the number of velocity and pressure unknowns."""
+        return int(sum(self.space.FreeDofs()))
+
+    def _forms(self) -> None:
+        """Set up residual and tangent at the present flow."""
+        (w, r), (v, q) = self.space.TnT()
+        u, p = self.flow.components
+        strain, change, test = (ng.Sym(ng.Grad(field)) for field in (u, w, v))
+        s = 2.0 * ng.InnerProduct(strain, strain)
+        eta, slope = self.law.expression(self._rate * self._rate * s)
+        # eta^theta leads from a Newtonian melt (0) to this one (1)
+        eta, slope = eta * self._unit, slope * self._unit * self._rate * self._rate
+        slope = (self._power * eta ** (self._power - 1.0) * slope).Compile()
+        eta = (eta**self._power).Compile()
+        dx = ng.dx(bonus_intorder=EXTRA_QUADRATURE)
+        self.tangent = ng.BilinearForm(self.space, symmetric=True, condense=True)
+        self.tangent += (
+            2.0 * eta * ng.InnerProduct(change, test)
+            + 8.0 * slope * ng.InnerProduct(strain, change) * ng.InnerProduct(strain, test)
+            - r * ng.div(v)
+            - q * ng.div(w)
+            - COMPRESSIBILITY * r * q
+        ) * dx
+        self.residual = ng.LinearForm(self.space)
+        self.residual += (
+            2.0 * eta * ng.InnerProduct(strain, test)
+            - p * ng.div(v)
+            - q * ng.div(u)
+            - COMPRESSIBILITY * p * q
+        ) * dx
+
+    def _rigid(self, field: tuple[Any, Any]) -> Any:
+        """Return the coefficients of a motion of the fiber, zero elsewhere."""
+        motion = ng.GridFunction(self.space)
+        where = self.mesh.mesh.Boundaries("fiber")
+        motion.components[0].Set(ng.CF(field), definedon=where)
+        return motion.vec
+
+    def _far_field(self, gradient: Array) -> None:
+        """Put a far field on the edge and the spin on the fiber; the inside stays."""
+        (a, b), (c, d) = gradient.tolist()
+        field = ng.CF((a * ng.x + b * ng.y, c * ng.x + d * ng.y))
+        inside = self.flow.vec.CreateVector()
+        if not self.started:
+            self.flow.components[0].Set(field)
+        inside.data = self.free * self.flow.vec
+        edge = self.mesh.mesh.Boundaries("edge")
+        self.flow.vec[:] = 0.0
+        self.flow.components[0].Set(field, definedon=edge)
+        self.flow.vec.data += inside + self.spin * self.turn
+
+    # waiting BLAS threads cost up to five times the work on a busy machine
+    @threadpool_limits.wrap(limits=1, user_api="blas")  # type: ignore[untyped-decorator]  # no types
+    def answer(self, rate: float, phase: float) -> CellAnswer:
+        """Return spin and surface pressure at a strain.
+
+        Parameters
+        ----------
+        rate : float
+            ``gamma_dot = 2 d`` of the far field [1/s], positive.
+        phase : float
+            ``phi`` [rad]: ``D_11 = d cos phi``, ``D_12 = d sin phi`` in the fiber's axes.
+
+        Raises
+        ------
+        ConvergenceError
+            If Newton's method does not converge.
+        """
+        c, s = float(np.cos(phase)), float(np.sin(phase))
+        self._rate.Set(0.5 * rate)
+        self._unit.Set(1.0 / float(self.law.viscosity_at(rate)))
+        strain = np.array([[c, s], [s, -c]])
+        steps = 0
+        for powers in ((1.0,) if self.started else (0.0, 1.0), CONTINUATION):
+            self._far_field(strain)
+            for power in powers:
+                self._power.Set(power)
+                taken, left = self._newton()
+                steps += taken
+            if left <= RESIDUAL_TOLERANCE:
+                self.started = True
+                return CellAnswer(self.spin, self._surface_pressure(), steps)
+            self.spin, self.started = 0.0, False
+        msg = (
+            f"fiber cell: residual {left:.1e} after {steps} Newton steps at {rate:g} 1/s, "
+            f"bound {RESIDUAL_TOLERANCE:g}: the melt thins too steeply; take a larger melt.index"
+        )
+        raise ConvergenceError(msg)
+
+    def _left(self) -> float:
+        """Assemble the residual; return the size of what is free of it, and of the torque."""
+        self.residual.Assemble()
+        torque = ng.InnerProduct(self.residual.vec, self.turn)
+        return float(np.hypot(ng.Norm((self.free * self.residual.vec).Evaluate()), torque))
+
+    def _newton(self) -> tuple[int, float]:
+        """Take Newton steps with backtracking until little is left; return count and rest."""
+        left = self._left()
+        for taken in range(MOST_STEPS):
+            if not left > RESIDUAL_TOLERANCE:
+                return taken, left
+            step, spin = self._step()
+            before, old, part = left, self.flow.vec.Copy(), 1.0
+            while part >= SMALLEST_STEP:
+                self.flow.vec.data = old + part * step
+                left = self._left()
+                if left <= (1.0 - DESCENT * part) * before:
+                    break
+                part *= 0.5
+            else:
+                return taken, before
+            self.spin += part * spin
+        return MOST_STEPS, left
+
+    def _step(self) -> tuple[Any, float]:
+        """Return Newton's step of the flow and of the spin."""
+        tangent, residual, turn = self.tangent, self.residual.vec, self.turn
+        tangent.Assemble()
+        coupling = self.space.FreeDofs(coupling=True)
+        inverse = tangent.mat.Inverse(coupling, inverse="sparsecholesky")
+        load = (-1.0 * (self.free * residual)).Evaluate()
+        reduced = load.Copy()
+        reduced.data += tangent.harmonic_extension_trans * reduced
+        step = (inverse * reduced).Evaluate()
+        step.data += tangent.harmonic_extension * step
+        step.data += tangent.inner_solve * load
+        turning = (-1.0 * (inverse * (tangent.mat * turn))).Evaluate()
+        turning.data += turn
+        resistance = ng.InnerProduct(turn, (tangent.mat * turning).Evaluate())
+        turning.data += tangent.harmonic_extension * turning
+        spin = -float(ng.InnerProduct(residual, turning) / resistance)
+        step.data += spin * turning
+        return step, spin
+
+    def _surface_pressure(self) -> Array:
+        """Return the pressure at the surface nodes over half the fiber, its level taken off."""
+        mapped, around, outward = self.nodes
+        order, grid = self.numerics.order, self.grid
+        pressure = self.flow.components[1]
+        read = np.asarray(pressure(mapped)).ravel()
+        values = np.empty(grid.columns * order)
+        surface = outward == 0
+        values[around[surface]] = read[surface]
+        if self.numerics.pressure_reference == "far-node":
+            at = np.flatnonzero((outward == grid.rows * order) & (around == 0))
+            level = float(read[at[0]])
+        else:
+            edge = ng.ds("edge", bonus_intorder=2 * order)
+            length = ng.Integrate(ng.CF(1.0) * edge, self.mesh.mesh)
+            level = float(ng.Integrate(pressure * edge, self.mesh.mesh) / length)
+        # both ends of a centred fiber see the same: their mean takes rounding off
+        return np.asarray(values.reshape(2, -1).mean(axis=0) - level)

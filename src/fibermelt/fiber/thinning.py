@@ -1,0 +1,391 @@
+"""What a fiber answers to any planar flow of a melt whose viscosity depends on the rate.
+
+The viscosity depends on the strain rate alone, so turning fiber and melt together changes nothing:
+spin and surface pressure of a force- and torque-free fiber are functions of the strain's size ``d =
+gamma_dot/2`` and its direction ``phi`` in the fiber's axes (``D_11 = d cos phi``, ``D_12 = d sin
+phi``) and of nothing else,
+
+    theta_dot = W_21 + d omega(gamma_dot, phi),    p(s) - p_psi = eta(gamma_dot) d P(s; gamma_dot,
+    phi).
+
+Symmetry leaves ``phi`` in [0, pi/2]: a reversed flow reverses both, so ``P(phi + pi) = -P(phi)``,
+and a mirrored one has ``omega(-phi) = -omega(phi)``, ``P(s; -phi) = P(-s; phi)``. Hence ``omega``
+is a series of ``sin phi, sin 3 phi, ...`` (a Newtonian melt has the first term, ``B``), and of the
+lowest pressure ``l`` and the highest ``h`` the one gives the other: ``l(pi - phi) = -h(phi)``. A
+power law has no rate of its own: ``omega`` and ``P`` are then the same at every rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from fibermelt.errors import ConfigError
+from fibermelt.melt import PowerLaw, ViscosityLaw
+
+__all__ = ["SpinSeries", "ThinningResponse", "bending_rates"]
+
+Array = NDArray[np.float64]
+
+KNOTS = 1024
+"""Intervals of ``phi`` in a quarter turn between which extremes are linear: a change of place on
+the surface, a corner of ``l``, is then off by 1e-4 of the largest pressure, the rest by 1e-6."""
+
+PER_DECADE = 48
+"""Intervals of the rate in a decade between which extremes are linear, off by 1e-4 at most: laws
+bend over decades. The cubic between the rates that were solved for is read there."""
+
+SPIN_ROUNDING = 2e-6
+"""Terms of ``omega`` that are no more than what cells are solved to."""
+
+SPREAD = (0.3, 15.0)
+"""Rates that a fiber feels over the far field's: by the slow melt at its sides, and at its tip. A
+Carreau law (n = 0.35, r_e = 6, M = 4) is within 0.3 % of Newtonian below the one bound and within
+0.1 % of a power law above the other."""
+
+FLAT = 0.03
+"""Change of a law's index that begins its bend."""
+
+WIDEST = (1e-6, 1e8)
+"""Rates [1/s] that are searched for where a law bends."""
+
+
+def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
+    """Return the rates [1/s] between which a fiber's answer changes; the same twice if none.
+
+    Below the first and above the second the law is a power law (of index 1, or its own) all over
+    the rates that a fiber makes of one, `SPREAD`. A pure power law's lowest rate is a
+    regularisation and no property of the melt, so that it is left out: the answer is the same at
+    all rates.
+    """
+    if law.is_newtonian or isinstance(law, PowerLaw):
+        return 1.0, 1.0
+    rate = np.geomspace(*WIDEST, 2801)
+    index = law.index_at(rate)
+    bends = np.flatnonzero((np.abs(index - index[0]) > FLAT) & (np.abs(index - index[-1]) > FLAT))
+    if bends.size == 0:
+        return 1.0, 1.0
+    return float(rate[bends[0]] / SPREAD[1]), float(rate[bends[-1]] / SPREAD[0])
+
+
+@dataclass(frozen=True, eq=False)
+class SpinSeries:
+    """``omega = sum_k b_k sin((2k + 1) phi)`` at given rates; ``b`` has shape (k, ...)."""
+
+    coefficients: Array
+
+    def __call__(self, phase: Array) -> Array:
+        """Return ``omega`` [-] at angles that broadcast with the rates (Clenshaw's sum)."""
+        sine = np.sin(phase)
+        twice = 2.0 - 4.0 * sine * sine  # 2 cos 2 phi
+        last = before = np.zeros_like(sine)
+        for b in self.coefficients[:0:-1]:
+            last, before = b + twice * last - before, last
+        # sin 3 phi = (twice + 1) sin phi
+        return np.asarray(sine * (self.coefficients[0] + (twice + 1.0) * last - before))
+
+
+@dataclass(frozen=True, eq=False)
+class ThinningResponse:
+    """The response of a force- and torque-free fiber in a melt that thins, as a table.
+
+    Parameters
+    ----------
+    aspect_ratio : float
+        ``r_e`` [-].
+    law : ViscosityLaw
+        The melt that it was computed for.
+    rate : (r,) array
+        Rates ``gamma_dot`` [1/s], increasing; one if the answer is the same at all.
+    spin : (r, k) array
+        ``b_k`` [-] of ``omega = sum b_k sin((2k + 1) phi)``.
+    lowest, highest, where_lowest, where_highest, tip : (r, q) array
+        Of the surface pressure over ``eta(gamma_dot) d`` [-], the eccentric angles [rad] of both in
+        (-pi/2, pi/2], and the pressure at the tip, at ``phi = pi j/(2 (q - 1))``.
+    surface : (m,) array
+        Eccentric angles in [0, pi) of ``pressure`` [rad]; may be empty.
+    pressure : (r, f, m) array
+        The whole surface at ``phi = pi j/(2 (f - 1))``, where it was solved for.
+    spin_error, pressure_error : float
+        Estimated error of ``omega`` [-], and of the extremes over the largest pressure; NaN if
+        unknown.
+
+    Raises
+    ------
+    ConfigError
+        If shapes disagree, a number is not finite or the rates do not increase.
+    """
+
+    aspect_ratio: float
+    law: ViscosityLaw
+    rate: Array
+    spin: Array
+    lowest: Array
+    highest: Array
+    where_lowest: Array
+    where_highest: Array
+    tip: Array
+    surface: Array
+    pressure: Array
+    spin_error: float = np.nan
+    pressure_error: float = np.nan
+
+    def __post_init__(self) -> None:
+        """Take the numbers over, and refuse what is no table."""
+        for name in ARRAYS:
+            owned = np.array(getattr(self, name), dtype=np.float64)
+            owned.setflags(write=False)
+            object.__setattr__(self, name, owned)
+            if not np.all(np.isfinite(owned)):
+                msg = f"thinning response: {name} has values that are not finite"
+                raise ConfigError(msg)
+        if not (np.isfinite(self.aspect_ratio) and self.aspect_ratio >= 1):
+            msg = f"response: aspect_ratio = {self.aspect_ratio:g} must be at least 1"
+            raise ConfigError(msg)
+        r = self.rate.size
+        if (
+            self.rate.shape != (r,)
+            or r == 0
+            or np.any(np.diff(self.rate) <= 0)
+            or self.rate[0] <= 0
+        ):
+            msg = f"thinning response: rate = {self.rate}: must be positive and increase"
+            raise ConfigError(msg)
+        shape = self.lowest.shape
+        for name in (*EXTREMES, "spin"):
+            found = getattr(self, name).shape
+            if found[0] != r or len(found) != 2 or (name != "spin" and found != shape):
+                msg = f"thinning response: {name} has shape {found}, expected ({r}, ...) like rate"
+                raise ConfigError(msg)
+
+    @property
+    def largest(self) -> Array:
+        """Return the largest pressure over all directions, over ``eta d`` [-], (r,)."""
+        return np.asarray(np.maximum(-self.lowest.min(axis=1), self.highest.max(axis=1)))
+
+    @cached_property
+    def covered(self) -> tuple[float, float]:
+        """Return the rates [1/s] between which the table answers; all where the law has no bend."""
+        low, high = bending_rates(self.law)
+        return (
+            0.0 if self.rate[0] <= low * (1 + 1e-9) or self.rate.size == 1 else float(self.rate[0]),
+            np.inf
+            if self.rate[-1] >= high * (1 - 1e-9) or self.rate.size == 1
+            else float(self.rate[-1]),
+        )
+
+    def checked(self, rate: ArrayLike) -> Array:
+        """Return rates [1/s] as an array, or refuse those that the table does not answer for."""
+        rates = np.asarray(rate, dtype=np.float64)
+        low, high = self.covered
+        if rates.size and not (
+            np.min(rates) >= low * (1 - 1e-9) and np.max(rates) <= high * (1 + 1e-9)
+        ):
+            msg = (
+                f"gamma_dot = {np.min(rates):.4g} to {np.max(rates):.4g} 1/s: the table holds "
+                f"from {low:.4g} to {high:.4g} 1/s; make one for these rates"
+            )
+            raise ConfigError(msg)
+        return rates
+
+    def series(self, rate: ArrayLike) -> SpinSeries:
+        """Return ``omega`` at rates [1/s], to be read at any direction."""
+        rates = self.checked(rate)
+        if self.rate.size == 1:
+            b = self._kept[0].reshape(-1, *(1,) * rates.ndim)
+            return SpinSeries(np.broadcast_to(b, (b.shape[0], *rates.shape)))
+        at = np.log(np.clip(rates, self.rate[0], self.rate[-1]))
+        return SpinSeries(np.moveaxis(self._spin_spline(at), -1, 0))
+
+    def omega(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+        """Return the torque-free spin relative to the melt's over ``d`` [-]; shapes broadcast."""
+        rates, phases = np.broadcast_arrays(np.asarray(rate, float), np.asarray(phase, float))
+        return self.series(rates)(phases)
+
+    @cached_property
+    def _kept(self) -> Array:
+        """Return the terms of ``omega`` up to the last that is more than the cells' own error."""
+        large = np.flatnonzero(np.max(np.abs(self.spin), axis=0) > SPIN_ROUNDING)
+        return self.spin[:, : large[-1] + 1 if large.size else 1]
+
+    @cached_property
+    def _spin_spline(self) -> Any:
+        return _spline(np.log(self.rate), self._kept)
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array, Array]:
+        """Return the lowest pressure, its place and the tip's over (fine rate, phi in [0, pi])."""
+        parts = []
+        for low, high, sign in (
+            (self.lowest, self.highest, -1.0),
+            (self.where_lowest, self.where_highest, -1.0),
+        ):
+            parts.append(np.concatenate([low, sign * high[:, -2::-1]], axis=1))
+        parts.append(np.concatenate([self.tip, -self.tip[:, -2::-1]], axis=1))
+        if self.rate.size == 1:
+            return parts[0], parts[1], parts[2]
+        decades = np.log10(self.rate[-1] / self.rate[0])
+        first, last = np.log(self.rate[[0, -1]])
+        fine = np.linspace(first, last, 1 + int(np.ceil(PER_DECADE * decades)))
+        near = np.abs(fine[:, None] - np.log(self.rate)).argmin(axis=1)
+        read = [_spline(np.log(self.rate), part)(fine) for part in (parts[0], parts[2])]
+        return read[0], parts[1][near], read[1]
+
+    def _row(self, rate: ArrayLike, rows: int) -> Array:
+        """Return where rates lie on the fine axis, [0, rows - 1]."""
+        rates = self.checked(rate)
+        if rows == 1:
+            return np.zeros(rates.shape)
+        first, last = self.rate[[0, -1]]
+        at = np.log(np.clip(rates, first, last) / first) / np.log(last / first)
+        return np.asarray(at * (rows - 1))
+
+    def lowest_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+        """Return the lowest surface pressure over ``eta d`` [-]; shapes broadcast.
+
+        That the highest is the lowest of the reversed flow, ``h(phi) = -l(phi + pi)``, needs no
+        table of its own.
+        """
+        return self._read(self._table[0], rate, phase)
+
+    def tip_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+        """Return the pressure at the tips over ``eta d`` [-]; shapes broadcast."""
+        return self._read(self._table[2], rate, phase)
+
+    def _read(self, table: Array, rate: ArrayLike, phase: ArrayLike) -> Array:
+        """Return a table's values, linear between its knots; even in the phase."""
+        row, (left, part, _) = self._row(rate, len(table)), _fold(phase, table.shape[1])
+        upper = np.minimum(row.astype(np.intp), max(len(table) - 2, 0))
+        weight = row - upper
+        flat, width = table.ravel(), table.shape[1]
+        at = upper * width + left
+        value = (1.0 - part) * flat[at] + part * flat[at + 1]
+        if len(table) > 1:
+            at = at + width
+            value = (1.0 - weight) * value + weight * (
+                (1.0 - part) * flat[at] + part * flat[at + 1]
+            )
+        return np.asarray(value)
+
+    def where_lowest_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+        """Return the eccentric angle [rad] of the lowest pressure, in (-pi/2, pi/2], 0 the tip.
+
+        That of the nearest knot: places jump where two are as low.
+        """
+        table = self._table[1]
+        row, (left, part, sign) = self._row(rate, len(table)), _fold(phase, table.shape[1])
+        return np.asarray(sign * table[np.rint(row).astype(np.intp), left + (part > 0.5)])
+
+    def bounds(self, rate: ArrayLike) -> tuple[Array, Array]:
+        """Return the lowest pressure over ``eta d`` [-] of the worst and of the mildest direction.
+
+        The highest are their opposites.
+        """
+        table = self._table[0]
+        row = self._row(rate, len(table))
+        knots = np.arange(len(table))
+        return np.interp(row, knots, table.min(axis=1)), np.interp(row, knots, table.max(axis=1))
+
+    def to_arrays(self) -> dict[str, Array]:
+        """Return the table by name, for a store; the law is not among it."""
+        found = {name: np.asarray(getattr(self, name)) for name in (*SCALARS, *ARRAYS)}
+        return {f"thinning_{name}": value for name, value in found.items()}
+
+    @classmethod
+    def from_arrays(cls, law: ViscosityLaw, arrays: Mapping[str, Any]) -> ThinningResponse:
+        """Return the table of a melt from what `to_arrays` gave."""
+        scalars = {name: float(arrays[f"thinning_{name}"]) for name in SCALARS}
+        taken = {name: np.asarray(arrays[f"thinning_{name}"]) for name in ARRAYS}
+        values: dict[str, Any] = {**scalars, **taken}
+        return cls(law=law, **values)
+
+    @classmethod
+    def from_extremes(
+        cls,
+        aspect_ratio: float,
+        law: ViscosityLaw,
+        rate: Array,
+        omega: Array,
+        lowest: Array,
+        highest: Array,
+        tip: Array,
+        where: tuple[Array, Array] | None = None,
+    ) -> ThinningResponse:
+        """Return the table of a fiber of which the extremes are known and not the whole surface.
+
+        Parameters
+        ----------
+        aspect_ratio, law, rate
+            As for the class.
+        omega, lowest, highest, tip : (r, f) array
+            Spin over ``d``, extremes and tip pressure over ``eta d`` at ``phi = pi j/(2 (f - 1))``;
+            cubic in between.
+        where : pair of (r, f) arrays, optional
+            Eccentric angles of lowest and highest pressure [rad]; 0, the tip, if not known.
+        """
+        given = [np.asarray(part, dtype=np.float64) for part in (omega, lowest, highest, tip)]
+        phase = np.linspace(0.0, 0.5 * np.pi, given[0].shape[1])
+        fine = np.linspace(0.0, 0.5 * np.pi, KNOTS + 1)
+        low, high, tips = (CubicSpline(phase, part, axis=1)(fine) for part in given[1:])
+        places = [np.zeros(low.shape)] * 2
+        if where is not None:
+            places = [np.stack([np.interp(fine, phase, row) for row in part]) for part in where]
+        return cls(
+            aspect_ratio=aspect_ratio,
+            law=law,
+            rate=rate,
+            spin=odd_sines(given[0]),
+            lowest=low,
+            highest=high,
+            where_lowest=places[0],
+            where_highest=places[1],
+            tip=tips,
+            surface=np.zeros(0),
+            pressure=np.zeros((len(low), 0, 0)),
+        )
+
+
+EXTREMES = ("lowest", "highest", "where_lowest", "where_highest", "tip")
+SCALARS = ("aspect_ratio", "spin_error", "pressure_error")
+ARRAYS = ("rate", "spin", *EXTREMES, "surface", "pressure")
+
+
+def odd_sines(values: Array) -> Array:
+    """Return ``b_k`` of ``sum b_k sin((2k + 1) phi)`` from ``phi = pi j/(2 (f - 1))``, last axis.
+
+    ``f - 1`` terms through all but the first value, which is zero.
+    """
+    count = values.shape[-1] - 1
+    phase = 0.5 * np.pi * np.arange(1, count + 1) / count
+    basis = np.sin(np.outer(phase, 2 * np.arange(count) + 1))
+    return np.asarray(np.linalg.solve(basis, values[..., 1:, None])[..., 0])
+
+
+def odd_cosines(values: Array) -> Array:
+    """Return ``a_k`` of ``sum a_k cos((2k + 1) phi)`` alike; the last value is zero."""
+    count = values.shape[-1] - 1
+    phase = 0.5 * np.pi * np.arange(count) / count
+    basis = np.cos(np.outer(phase, 2 * np.arange(count) + 1))
+    return np.asarray(np.linalg.solve(basis, values[..., :-1, None])[..., 0])
+
+
+def _spline(x: Array, values: Array) -> Any:
+    """Return the cubic through values at three rates or more, the straight line through two."""
+    if x.size > 2:
+        return CubicSpline(x, values, axis=0)
+    return lambda at: values[0] + ((at - x[0]) / (x[1] - x[0]))[..., None] * (values[1] - values[0])
+
+
+def _fold(phase: ArrayLike, width: int) -> tuple[NDArray[np.intp], Array, Array]:
+    """Return the knot left of a phase folded to [0, pi], the part of the way, its sign."""
+    turned = np.asarray(phase, dtype=np.float64)
+    turned = turned - 2.0 * np.pi * np.rint(turned / (2.0 * np.pi))
+    at = np.abs(turned) * ((width - 1) / np.pi)
+    left = np.minimum(at.astype(np.intp), width - 2)
+    return left, at - left, np.where(turned < 0.0, -1.0, 1.0)
