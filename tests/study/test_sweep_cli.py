@@ -1,5 +1,6 @@
 """The commands for sweeps: what they print, what they refuse, and that a case is a run."""
 
+import csv
 import json
 import re
 import subprocess
@@ -140,6 +141,27 @@ def test_a_grid_is_collected_over_its_axes(tmp_path):
         assert "no steady surface" in str(found["reason"].values[0, 0])
         assert found["extreme_max"].sel(kind="max").shape == (2, 3)
         assert "path" not in found
+
+
+def test_a_table_is_collected_by_its_suffix(tmp_path):
+    _, out, _ = swept(tmp_path)
+    table = tmp_path / "x.csv"
+    for _ in range(2):  # the second takes the place of the first
+        assert fibermelt("collect", out, "--to", table).exit_code == 0
+    with table.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["status"] for row in rows] == ["failed"] * 3 + ["done"] * 3
+    assert [float(row["fiber.aspect_ratio"]) for row in rows] == [4, 6, 8] * 2
+    found = [float(row["product"]) for row in rows[3:]]
+    assert found == pytest.approx(list(2 * 0.003 * np.sqrt([4, 6, 8])), rel=1e-15)
+    assert rows[0]["product"] == ""
+    assert "no steady surface" in rows[0]["reason"]
+    table.write_text("a,b\n1,2\n")
+    refused = fibermelt("collect", out, "--to", table)
+    assert (refused.exit_code, table.read_text()) == (2, "a,b\n1,2\n")
+    unknown = fibermelt("collect", out, "--to", tmp_path / "x.xlsx")
+    assert (unknown.exit_code, (tmp_path / "x.xlsx").exists()) == (2, False)
+    assert ".nc, .nc4, .h5, .hdf5, .csv" in " ".join(unknown.stderr.split())
 
 
 def test_other_designs_are_collected_over_their_cases(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.fiber import CellNumerics, Ellipse, solve_cell
-from fibermelt.fiber.stall import paper_stall_angle, stall_curve
+from fibermelt.fiber.stall import CURVE_NUMERICS, paper_stall_angle, stall_curve
 from fibermelt.fiber.stall_data import StallCurve
 
 FINER = CellNumerics(order=8, angular_spacing=1.0, radial_spacing=1.0, estimate=False)
@@ -47,9 +47,14 @@ def test_a_curve_takes_twelve_cells(paper_curve: StallCurve) -> None:
     assert np.all(np.isfinite(paper_curve.domain_size[:-1]))
 
 
-def test_cells_that_cannot_reach_the_tolerance_are_refused() -> None:
-    with pytest.raises(ConvergenceError, match="take numerics of an order above 6"):
-        stall_curve(1.2)
-    curve = stall_curve(1.2, tolerance=1e-5)
-    assert 1e-6 < curve.error < 1e-5
+def test_a_rounder_fiber_takes_cells_of_a_higher_order() -> None:
+    curve = stall_curve(1.2)
+    assert curve.error <= 1e-6
+    cell = solve_cell(Ellipse(42e-6, 1.2), 2.13, FINER)
+    assert curve.value(2.13) == pytest.approx(cell.shape_factor, abs=curve.error)
     assert curve.largest_stalling_domain == pytest.approx(2.75390, abs=1e-4)
+
+
+def test_cells_that_cannot_reach_the_tolerance_are_refused() -> None:
+    with pytest.raises(ConvergenceError, match=r"order 6\): take a more slender fiber"):
+        stall_curve(1.2, numerics=CURVE_NUMERICS)

@@ -282,7 +282,9 @@ def collect(
     directory: Folder,
     to: Annotated[
         str | None,
-        typer.Option("--to", metavar="FILE", help="Where to; DIR/sweep.nc by default."),
+        typer.Option(
+            "--to", metavar="FILE", help="Where to: .nc or .csv; DIR/sweep.nc by default."
+        ),
     ] = None,
     zarr: Annotated[
         bool, typer.Option("--zarr", help="Write Zarr, into DIR/sweep.zarr by default.")
@@ -299,7 +301,9 @@ def collect(
             msg = '--to "": is no name of a file; write one, or leave --to away'
             raise ConfigError(msg)
         from fibermelt.study.sweep.collect import (  # noqa: PLC0415  lazy, as in _watching
+            SUFFIXES,
             collect_sweep,
+            write_csv,
             write_netcdf,
             write_zarr,
         )
@@ -309,8 +313,16 @@ def collect(
         if path.is_dir() and not zarr:
             msg = f"--to {_shown(path)}: is a folder; name a file, such as {_quoted(path / NETCDF)}"
             raise ConfigError(msg)
+        suffix = path.suffix.lower()
+        if not zarr and suffix not in SUFFIXES:
+            msg = (
+                f"--to {_shown(path)}: must end in one of {', '.join(SUFFIXES)}; a Zarr folder "
+                "takes --zarr"
+            )
+            raise ConfigError(msg)
+        write = write_zarr if zarr else write_csv if suffix == ".csv" else write_netcdf
         dataset = collect_sweep(folder)
-        (write_zarr if zarr else write_netcdf)(dataset, path)
+        write(dataset, path)
         statuses = dataset["status"].to_numpy().ravel().tolist()
         summary = {
             "cases": len(statuses),

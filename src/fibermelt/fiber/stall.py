@@ -42,6 +42,9 @@ CELL_ERROR = 1e-7
 KNOWN_RATIOS, KNOWN_DOMAIN = (1.5, 30.0), 2.05
 """Where `CELL_ERROR` was measured; rounder fibers have a thinner film for the same ``M``."""
 
+HIGHEST_ORDER = 10
+"""Order of the cells at which a rounder fiber is given up; 9 suffices at ``r_e = 1.02``."""
+
 SMALLEST_DOMAIN = 2.1
 """Smallest ``M`` of a curve: a gap of a twentieth of the half-length at the tip."""
 
@@ -62,7 +65,7 @@ def stall_curve(
     fiber_aspect_ratio: float,
     smallest_domain: float = SMALLEST_DOMAIN,
     tolerance: float = CURVE_TOLERANCE,
-    numerics: CellNumerics = CURVE_NUMERICS,
+    numerics: CellNumerics | None = None,
 ) -> StallCurve:
     """Build the curve of a fiber from twelve cells: 0.7 s at ``r_e = 6``.
 
@@ -72,13 +75,14 @@ def stall_curve(
     Parameters
     ----------
     fiber_aspect_ratio : float
-        ``r_e`` [-], above one. Tried from 1.2 to 30; below 1.5 raise the order of the cells.
+        ``r_e`` [-], above one. Tried from 1.02 to 30; below 1.5 the cells take longer.
     smallest_domain : float
         Smallest ``M`` of the curve, at least 2.001; the largest is infinite.
     tolerance : float
         Of ``B`` [-], at least 2e-7, as the cells are good to 1e-7.
-    numerics : CellNumerics
-        Of the cells; by default `CURVE_NUMERICS`, which the cells' share of the error is for.
+    numerics : CellNumerics, optional
+        Of the cells; by default `CURVE_NUMERICS`, of a higher order where the narrowest cell needs
+        it for the tolerance, as the thinner film of a rounder fiber does.
 
     Raises
     ------
@@ -89,10 +93,11 @@ def stall_curve(
         If the cells, or 49 points, do not reach the tolerance.
     """
     _check_curve(fiber_aspect_ratio, smallest_domain, tolerance)
-    refuse_other("numerics", numerics, CellNumerics)
+    if numerics is not None:
+        refuse_other("numerics", numerics, CellNumerics)
     fiber = Ellipse(1.0, fiber_aspect_ratio)
     low, points = float(narrowness(np.asarray(smallest_domain))), POINTS
-    narrowest, cells = _narrowest_cell(fiber, smallest_domain, tolerance, numerics)
+    narrowest, cells, numerics = _narrowest_cell(fiber, smallest_domain, tolerance, numerics)
     solved = {round(2.0 / smallest_domain, 12): narrowest}
     while points <= MOST_POINTS:
         nodes = -np.cos(np.pi * np.arange(points) / (points - 1))
@@ -169,25 +174,32 @@ def _check_curve(aspect_ratio: float, smallest: float, tolerance: float) -> None
 
 
 def _narrowest_cell(
-    fiber: Ellipse, domain_size: float, tolerance: float, numerics: CellNumerics
-) -> tuple[float, float]:
-    """Return ``B`` in the narrowest cell, which is the hardest, and its error."""
+    fiber: Ellipse, domain_size: float, tolerance: float, given: CellNumerics | None
+) -> tuple[float, float, CellNumerics]:
+    """Return ``B`` in the narrowest cell, which is the hardest, its error, and how it was solved.
+
+    Numerics that are given stand; else the lowest order that reaches the tolerance is taken.
+    """
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  # a second's import, on demand
 
     low, high = KNOWN_RATIOS
     known = low <= fiber.aspect_ratio <= high and domain_size >= KNOWN_DOMAIN
-    is_known = known and numerics == CURVE_NUMERICS
-    cell = solve_cell(fiber, domain_size, replace(numerics, estimate=not is_known))
-    estimate = cell.error_estimate
-    error = CELL_ERROR if estimate is None else max(CELL_ERROR, estimate.shape_factor)
-    if error >= tolerance:
-        msg = (
-            f"stall curve at r_e = {fiber.aspect_ratio:g}: the cell of M = {domain_size:g} gives B "
-            f"to {error:.1e} only (tolerance {tolerance:g}): take numerics of an order above "
-            f"{numerics.order}, a larger smallest_domain or tolerance"
-        )
-        raise ConvergenceError(msg)
-    return cell.shape_factor, error
+    numerics = given or CURVE_NUMERICS
+    highest = numerics.order if given else HIGHEST_ORDER
+    for order in range(numerics.order, highest + 1):
+        numerics = replace(numerics, order=order)
+        is_known = known and numerics == CURVE_NUMERICS
+        cell = solve_cell(fiber, domain_size, replace(numerics, estimate=not is_known))
+        estimate = cell.error_estimate
+        error = CELL_ERROR if estimate is None else max(CELL_ERROR, estimate.shape_factor)
+        if error < tolerance:
+            return cell.shape_factor, error, numerics
+    msg = (
+        f"stall curve at r_e = {fiber.aspect_ratio:g}: the cell of M = {domain_size:g} gives B "
+        f"to {error:.1e} only (tolerance {tolerance:g}, order {highest}): take a more slender "
+        "fiber, numerics of a higher order, a larger smallest_domain or tolerance"
+    )
+    raise ConvergenceError(msg)
 
 
 def _shape_factor(fiber: Ellipse, domain_size: float, numerics: CellNumerics) -> float:

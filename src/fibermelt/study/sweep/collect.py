@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-__all__ = ["collect_sweep", "write_netcdf", "write_zarr"]
+__all__ = ["SUFFIXES", "collect_sweep", "write_csv", "write_netcdf", "write_zarr"]
+
+SUFFIXES = (".nc", ".nc4", ".h5", ".hdf5", ".csv")
+"""What `fibermelt collect --to` can end in: netCDF-4, which is HDF5, and a table."""
 
 Found = dict[str, tuple[tuple[str, ...], "NDArray[Any]", dict[str, Any]]]
 """Variables: dimensions, values, attributes."""
@@ -97,6 +100,32 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     replace_file(path, to_bytes(dataset))
 
 
+def write_csv(dataset: xr.Dataset, path: Path) -> None:
+    """Write what a dataset has one value of in each case as a table, whole or not at all.
+
+    A line for each case: what varies, then the variables by name, in SI. Variables over anything
+    else, such as streamlines, are left out; netCDF has them.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be written, its folder is not there, or a file is that holds something else.
+    """
+    _refuse_no_parent(path)
+    with storage_errors(path):
+        if path.exists() and not _is_table(path):
+            msg = (
+                f"{path}: is there and no such table; it is not overwritten: name another with --to"
+            )
+            raise StoreError(msg)
+    over = set(dataset["status"].dims)
+    single = [name for name, values in dataset.data_vars.items() if set(values.dims) == over]
+    coordinates = [name for name, values in dataset.coords.items() if set(values.dims) <= over]
+    frame = dataset[single].to_dataframe().reset_index()
+    table = frame[[*coordinates, *sorted(single, key=str)]]
+    replace_file(path, table.to_csv(index=False, lineterminator="\n").encode())
+
+
 def write_zarr(dataset: xr.Dataset, path: Path) -> None:
     """Write a dataset as a Zarr folder of format 2, whole or not at all.
 
@@ -133,6 +162,12 @@ def write_zarr(dataset: xr.Dataset, path: Path) -> None:
         finally:
             remove(temporary)
             remove(old)
+
+
+def _is_table(path: Path) -> bool:
+    """Return whether a file begins as `write_csv` begins one: with what every table names."""
+    with path.open("rb") as stream:
+        return {b"status", b"reason"} <= set(stream.readline().strip().split(b","))
 
 
 def _start_of(path: Path, count: int) -> bytes:
