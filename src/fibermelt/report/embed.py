@@ -13,8 +13,10 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from markupsafe import Markup
 from PIL import Image
 
+from fibermelt.report.dark import in_both_schemes
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.plates import Plate
 
@@ -29,8 +31,8 @@ FIGURE_BUDGET = 3_800_000
 QUALITY = 90
 """Of WebP: no difference can be seen, unlike with 256 colours, that make a green line blue."""
 
-PLAIN = " /=;,-.'()+*!@&?[]"
-"""What stands in a data address as it is; the rest is escaped."""
+PLAIN = " /=;,-.'()+*!@?[]{}"
+"""What stands in a data address, and in an attribute, as it is; the rest is escaped."""
 
 _NOTES = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<!--.*?-->", re.S)
 _PATH = re.compile(r' d="([^"]*)"')
@@ -45,8 +47,8 @@ class Embedded:
     ----------
     name, title, paper, caption, alt : str
         As in `Plate` and `Words`.
-    source : str
-        The figure itself, as a data address.
+    source : Markup
+        The figure itself, as a data address that can stand in an attribute as it is.
     width, height : int
         Its size in dots, for the room that it takes before it is shown.
     """
@@ -56,7 +58,7 @@ class Embedded:
     paper: str
     caption: str
     alt: str
-    source: str
+    source: Markup
     width: int
     height: int
 
@@ -64,8 +66,9 @@ class Embedded:
 def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None) -> list[Embedded]:
     """Return every figure that the results are enough for, ready to stand in a page.
 
-    They stay in lines (SVG) as long as all of them are within `FIGURE_BUDGET`; beyond, the
-    largest go over to dots (WebP) until they are.
+    They take the colours of a light or a dark page, and stay in lines (SVG) as long
+    as all of them are within `FIGURE_BUDGET`; beyond, the largest go over to dots (WebP), light in
+    either, until they are.
 
     Parameters
     ----------
@@ -122,6 +125,7 @@ def _within_budget(plates: Sequence[Plate], files: Mapping[str, bytes]) -> dict[
 
 def _in_lines(svg: str) -> str:
     """Return a drawing as a data address: without notes, paths to a hundredth of a point."""
+    svg = in_both_schemes(svg, _painted)
     bare = _PATH.sub(lambda path: f' d="{_rounded(path[1])}"', _NOTES.sub("", svg))
     bare = re.sub(r"\n\s*", "\n", bare).strip().replace('"', "'")
     return "data:image/svg+xml," + quote(bare, safe=PLAIN)
@@ -134,8 +138,17 @@ def _rounded(path: str) -> str:
 
 def _in_dots(png: bytes) -> str:
     """Return a drawing as a data address, in dots that take a third of what PNG takes."""
+    return _address(Image.open(io.BytesIO(png)).convert("RGB"), lossless=False)
+
+
+def _painted(image: Image.Image) -> str:
+    """Return what is painted inside a drawing as a data address, in the fewest bytes."""
+    return min((_address(image, lossless=lossless) for lossless in (True, False)), key=len)
+
+
+def _address(image: Image.Image, *, lossless: bool) -> str:
     stream = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", quality=QUALITY)
+    image.save(stream, "webp", lossless=lossless, quality=QUALITY)
     return "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode()
 
 
@@ -150,7 +163,7 @@ def _embedded(
         paper=plate.paper,
         caption=words.caption,
         alt=words.alt,
-        source=source,
+        source=Markup(source),  # noqa: S704, escaped as an address
         width=width,
         height=height,
     )
