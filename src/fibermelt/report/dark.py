@@ -16,7 +16,7 @@ from PIL import Image
 
 from fibermelt.report.style import INK, Array
 
-__all__ = ["DARK_GROUND", "DARK_INK", "darkened", "in_both_schemes"]
+__all__ = ["DARK_GROUND", "DARK_INK", "darkened", "darkened_image", "in_both_schemes"]
 
 DARK_GROUND, DARK_INK = "#1b1e23", "#e4e3df"
 """What white paper and ink become: ``--card`` and ``--ink`` of the page in the dark."""
@@ -106,8 +106,8 @@ def darkened(rgb: Array) -> Array:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-def _darkened_image(image: Image.Image) -> Image.Image:
-    """Return a painting in its dark colours, as transparent as before."""
+def darkened_image(image: Image.Image) -> Image.Image:
+    """Return an image in its dark colours, as transparent as before."""
     dots = np.asarray(image.convert("RGBA"))
     colors, place = np.unique(dots[..., :3].reshape(-1, 3), axis=0, return_inverse=True)
     dark = np.rint(255 * darkened(colors / 255.0)).astype(np.uint8)
@@ -128,7 +128,7 @@ def in_both_schemes(svg: str, address: Callable[[Image.Image], str]) -> str:
 
     def twice(found: re.Match[str]) -> str:
         image = Image.open(io.BytesIO(base64.b64decode(found[2])))
-        pair = {"day": image, "night": _darkened_image(image)}
+        pair = {"day": image, "night": darkened_image(image)}
         return "".join(
             f'<image class="{name}"{_ID.sub("", found[1])}{address(one)}{_ID.sub("", found[3])}'
             for name, one in pair.items()

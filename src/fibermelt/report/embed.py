@@ -16,7 +16,7 @@ from urllib.parse import quote
 from markupsafe import Markup
 from PIL import Image
 
-from fibermelt.report.dark import in_both_schemes
+from fibermelt.report.dark import darkened_image, in_both_schemes
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.plates import Plate
 
@@ -47,8 +47,9 @@ class Embedded:
     ----------
     name, title, paper, caption, alt : str
         As in `Plate` and `Words`.
-    source : Markup
-        The figure itself, as a data address that can stand in an attribute as it is.
+    source, dark : Markup
+        The figure itself, as a data address that can stand in an attribute as it is; another one
+        for a dark page, empty where the first has both.
     width, height : int
         Its size in dots, for the room that it takes before it is shown.
     """
@@ -59,6 +60,7 @@ class Embedded:
     caption: str
     alt: str
     source: Markup
+    dark: Markup
     width: int
     height: int
 
@@ -66,9 +68,9 @@ class Embedded:
 def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None) -> list[Embedded]:
     """Return every figure that the results are enough for, ready to stand in a page.
 
-    They take the colours of a light or a dark page, and stay in lines (SVG) as long
-    as all of them are within `FIGURE_BUDGET`; beyond, the largest go over to dots (WebP), light in
-    either, until they are.
+    They have the colours of a light page and of a dark one. They stay in lines (SVG) as long as
+    all of them are within `FIGURE_BUDGET`; beyond, the largest go over to dots (WebP) until they
+    are.
 
     Parameters
     ----------
@@ -109,16 +111,18 @@ def _draw(results: xr.Dataset) -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in draw_figures(results, Path(folder))}
 
 
-def _within_budget(plates: Sequence[Plate], files: Mapping[str, bytes]) -> dict[str, str]:
-    """Return the data addresses of figures, by name."""
-    sources = {plate.name: _in_lines(files[f"{plate.name}.svg"].decode()) for plate in plates}
-    total = sum(map(len, sources.values()))
-    for name in sorted(sources, key=lambda name: (-len(sources[name]), name)):
-        if total <= FIGURE_BUDGET:
+def _within_budget(
+    plates: Sequence[Plate], files: Mapping[str, bytes]
+) -> dict[str, tuple[str, str]]:
+    """Return the data addresses of figures by name, each as `Embedded` has them."""
+    sources = {plate.name: (_in_lines(files[f"{plate.name}.svg"].decode()), "") for plate in plates}
+    size = {name: len(lines) for name, (lines, _) in sources.items()}
+    for name in sorted(size, key=lambda name: (-size[name], name)):
+        if sum(size.values()) <= FIGURE_BUDGET:
             break
         dots = _in_dots(files[f"{name}.png"])
-        if len(dots) < len(sources[name]):
-            total += len(dots) - len(sources[name])
+        if sum(map(len, dots)) < size[name]:
+            size[name] = sum(map(len, dots))
             sources[name] = dots
     return sources
 
@@ -136,9 +140,11 @@ def _rounded(path: str) -> str:
     return short.replace("\n", "")
 
 
-def _in_dots(png: bytes) -> str:
-    """Return a drawing as a data address, in dots that take a third of what PNG takes."""
-    return _address(Image.open(io.BytesIO(png)).convert("RGB"), lossless=False)
+def _in_dots(png: bytes) -> tuple[str, str]:
+    """Return a drawing, light and dark, in dots that take a third of what PNG takes."""
+    light = Image.open(io.BytesIO(png)).convert("RGB")
+    dark = darkened_image(light).convert("RGB")
+    return _address(light, lossless=False), _address(dark, lossless=False)
 
 
 def _painted(image: Image.Image) -> str:
@@ -153,7 +159,7 @@ def _address(image: Image.Image, *, lossless: bool) -> str:
 
 
 def _embedded(
-    plate: Plate, results: xr.Dataset, files: Mapping[str, bytes], source: str
+    plate: Plate, results: xr.Dataset, files: Mapping[str, bytes], source: tuple[str, str]
 ) -> Embedded:
     words = plate.words(results)
     width, height = struct.unpack(">II", files[f"{plate.name}.png"][16:24])
@@ -163,7 +169,8 @@ def _embedded(
         paper=plate.paper,
         caption=words.caption,
         alt=words.alt,
-        source=Markup(source),  # noqa: S704, escaped as an address
+        source=Markup(source[0]),
+        dark=Markup(source[1]),
         width=width,
         height=height,
     )
