@@ -194,7 +194,7 @@ def _row(columns: Sequence[Column], cells: Sequence[str]) -> Markup:
     if len(cells) != len(columns):
         msg = f"a table of {len(columns)} columns was given a row of {len(cells)} cells"
         raise ValueError(msg)
-    first = Markup('<th scope="row">{}</th>').format(cells[0])
+    first = Markup('<th scope="row" data-label="{}">{}</th>').format(_label(columns[0]), cells[0])
     rest = (
         Markup('<td{} data-label="{}">{}</td>').format(_kind(column), _label(column), cell)
         for column, cell in zip(columns[1:], cells[1:], strict=True)

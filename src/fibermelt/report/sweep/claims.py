@@ -194,7 +194,8 @@ def _cell(one: SweptClaim, column: _Column) -> Markup:
     there = [each for each in judged if each is not None]
     if not there:
         return Markup(
-            '<td data-label="{}"><span aria-hidden="true">–</span><span class="heard">{}</span></td>'
+            '<td data-label="{}"><span aria-hidden="true">–</span>'
+            '<span class="heard">{}</span></td>'
         ).format(column.label, UNANSWERED)
     verdicts = {each.verdict for each in there}
     if len(verdicts) > 1:
@@ -206,8 +207,8 @@ def _cell(one: SweptClaim, column: _Column) -> Markup:
     value = there[0].value
     ours = "" if len(there) > 1 or value is None else number(value, 3)
     return Markup(
-        '<td class="verdict" data-verdict="{0}" data-label="{3}"><span aria-hidden="true">{1}</span>'
-        '<span class="heard">{0}</span>{2}</td>'
+        '<td class="verdict" data-verdict="{0}" data-label="{3}">'
+        '<span aria-hidden="true">{1}</span><span class="heard">{0}</span>{2}</td>'
     ).format(
         verdict,
         VERDICTS[verdict],
