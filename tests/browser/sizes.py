@@ -39,7 +39,8 @@ def assert_it_fits(page: Any, size: tuple[int, int], scheme: str) -> None:
     """Assert that nothing is off the edge, images are shown, and colors suit the scheme."""
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    assert page.evaluate(OFF_THE_EDGE) == []
+    off = page.evaluate(OFF_THE_EDGE)
+    assert not off, off
     assert page.evaluate(
         "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
     )

@@ -274,8 +274,8 @@ def history_words(results: xr.Dataset) -> Words:
             f"(c, d) The melt around the fiber of (a) at {number(instant.time, 3)} s, lowest at "
             "Loc. 1, in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 "
             "(outlined arrows: velocity relative to its center; full arrow: where it goes), and "
-            f"pressure less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet ends "
-            f"are left out.{beside}"
+            f"pressure less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet "
+            f"ends are left out.{beside}"
         ).replace(" -", " −"),
         alt=(
             f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "
