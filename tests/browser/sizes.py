@@ -1,12 +1,28 @@
 """The sizes of window that a page is tested in."""
 
+import io
 from typing import Any
 
 import pytest
+from PIL import Image
 
-PHONE, DESKTOP = (375, 740), (1280, 900)
+PHONE, TABLET, DESKTOP = (390, 740), (768, 1024), (1280, 900)
 
-every_width = pytest.mark.parametrize("size", [PHONE, DESKTOP], ids=["phone", "desktop"])
+every_width = pytest.mark.parametrize(
+    "size", [PHONE, TABLET, DESKTOP], ids=["phone", "tablet", "desktop"]
+)
+every_scheme = pytest.mark.parametrize("scheme", ["light", "dark"])
+
+OFF_THE_EDGE = """() => [...document.querySelectorAll("body *")]
+  .filter(one => !one.closest(".skip, .heard, thead"))
+  .filter(one => {
+    const box = one.getBoundingClientRect();
+    const scrolls = getComputedStyle(one).overflowX !== "visible" && one.clientWidth > 0
+      && one.scrollWidth > one.clientWidth + 1;
+    return box.width > 0 && (box.left < -1 || box.right > innerWidth + 1 || scrolls);
+  })
+  .map(one => `${one.tagName} ${one.closest("[id]")?.id}: ${one.textContent.slice(0, 60)}`)"""
+"""What stands beyond a window's sides or hides a part of itself there, by more than rounding."""
 
 
 def rgb(css: str) -> list[int]:
@@ -14,9 +30,17 @@ def rgb(css: str) -> list[int]:
     return [int(part) for part in css.partition("(")[2].partition(")")[0].split(",")[:3]]
 
 
+def shown(page: Any, selector: str) -> Image.Image:
+    """Return what a browser shows of an element."""
+    return Image.open(io.BytesIO(page.locator(selector).first.screenshot())).convert("RGB")
+
+
 def assert_it_fits(page: Any, size: tuple[int, int], scheme: str) -> None:
-    """Assert that nothing runs over the width, images are shown, and colors suit the scheme."""
+    """Assert that nothing is off the edge, images are shown, and colors suit the scheme."""
+    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    off = page.evaluate(OFF_THE_EDGE)
+    assert not off, off
     assert page.evaluate(
         "Promise.all([...document.images].map(image => image.decode())).then(() => true)"
     )
@@ -26,20 +50,37 @@ def assert_it_fits(page: Any, size: tuple[int, int], scheme: str) -> None:
     assert (sum(rgb(ink)) < sum(rgb(paper))) == (scheme == "light")
 
 
-def assert_figures_can_be_read(page: Any, size: tuple[int, int]) -> None:
-    """Assert that no figure is small, and that one that is too wide scrolls within its card.
+def assert_figures_have_the_colors_of_the_page(page: Any) -> None:
+    """Assert that a figure's ground is its card's, and that letters on it are the page's ink."""
+    card = page.locator("figure .card").first
+    ground = rgb(card.evaluate("one => getComputedStyle(one).backgroundColor"))
+    ink = rgb(page.evaluate("getComputedStyle(document.body).color"))
+    dots = shown(page, "figure .card img")
+    assert list(dots.getpixel((2, 2))) == ground
+    # Thin letters are mixed with their ground: no more than a third of it in the strongest dots.
+    far = max(abs(sum(dot) - sum(ground)) for _, dot in dots.getcolors(dots.width * dots.height))
+    assert far > 2 / 3 * abs(sum(ink) - sum(ground))
 
-    Letters of 2.5 mm on a page of 190 mm: at 700 px they are 9 px high.
+
+def assert_figures_open_large(page: Any, size: tuple[int, int]) -> None:
+    """Assert that a figure fits its card, and at a click takes the window until it is closed.
+
+    Letters of 2.5 mm on a page of 190 mm: at 1000 px they are 13 px high.
     """
-    for image in page.locator("figure .card img").all():
-        own = float(image.get_attribute("width")) / 20 * 16
-        assert image.bounding_box()["width"] >= min(own, 700)
-    for card in page.locator("figure .card").all():
-        box = card.bounding_box()
-        assert box["x"] + box["width"] <= size[0]
-        assert card.get_attribute("tabindex") == "0"
-        assert card.get_attribute("aria-label")
-        is_wide = card.evaluate("one => one.scrollWidth > one.clientWidth")
-        assert is_wide == (size == PHONE)
-        if is_wide:
-            assert card.evaluate("one => { one.scrollLeft = 99; return one.scrollLeft }") > 0
+    card = page.locator("figure .card").first
+    image = card.locator("img")
+    before = image.bounding_box()["width"]
+    assert before <= card.bounding_box()["width"]
+    card.locator(".open").click()
+    box = card.bounding_box()
+    assert (box["x"], box["y"], box["width"], box["height"]) == (0, 0, *size)
+    assert image.bounding_box()["width"] >= max(before, 1000)
+    assert not page.locator("h1").is_visible()
+    assert card.evaluate("one => one === document.activeElement")
+    # It can be moved to each of its ends.
+    assert card.evaluate(
+        "one => { one.scrollLeft = 1e4; return one.scrollLeft + one.clientWidth }"
+    ) == card.evaluate("one => one.scrollWidth")
+    card.locator(".close").click()
+    assert image.bounding_box()["width"] == before
+    assert page.locator("h1").is_visible()

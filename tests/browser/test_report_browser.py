@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, PHONE, assert_figures_can_be_read, assert_it_fits, every_width
+from sizes import (
+    DESKTOP,
+    PHONE,
+    assert_figures_have_the_colors_of_the_page,
+    assert_figures_open_large,
+    assert_it_fits,
+    every_scheme,
+    every_width,
+    shown,
+)
 from stored_bead import stored_results, stored_summary
 
 from fibermelt.report.html import render
@@ -26,7 +35,7 @@ def told(page: Any, name: str) -> str:
 
 
 @every_width
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@every_scheme
 def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
     page = opened(size, color_scheme=scheme)
     assert_it_fits(page, size, scheme)
@@ -44,32 +53,41 @@ def test_the_answer_is_on_the_first_screen(opened: Any, size: tuple[int, int]) -
 @every_width
 def test_claims_can_be_sifted_by_verdict(opened: Any, size: tuple[int, int]) -> None:
     page = opened(size)
-    shown = page.locator("#claims > .scroll tbody tr:visible")
-    assert shown.count() == 2
+    rows = page.locator("#claims > .scroll tbody tr:visible")
+    assert rows.count() == 2
     page.check("#show-differs")
-    assert shown.count() == 1
-    assert "Minima are uniform" in shown.inner_text()
+    assert rows.count() == 1
+    assert "Minima are uniform" in rows.inner_text()
     assert page.locator("#claims > .scroll:visible").count() == 1
     assert page.locator(".tally tbody tr:visible").count() > 1
     page.emulate_media(media="print")
-    assert shown.count() == 2
+    assert rows.count() == 2
 
 
 @every_width
-def test_wide_tables_scroll_within_themselves(opened: Any, size: tuple[int, int]) -> None:
+def test_rows_of_a_table_that_is_too_wide_are_lists(opened: Any, size: tuple[int, int]) -> None:
     page = opened(size)
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
-    # A head that wraps leaves room for several columns even on a phone.
-    widths = page.evaluate(
-        "[...document.querySelectorAll('#risk th')].map(cell => cell.offsetWidth)"
+    head = page.locator("table.many thead").first
+    assert (head.bounding_box()["width"] <= 1) == (size == PHONE)
+    labels = page.evaluate(
+        """[...document.querySelectorAll("table.many td")]
+          .filter(cell => getComputedStyle(cell, "::before").content !== "none").length"""
     )
-    assert max(widths) < 0.6 * size[0]
+    assert (labels > 0) == (size == PHONE)
+
+
+@every_scheme
+def test_figures_have_the_colors_of_the_page(opened: Any, scheme: str) -> None:
+    page = opened(DESKTOP, color_scheme=scheme)
+    assert_figures_have_the_colors_of_the_page(page)
+    page.emulate_media(media="print")
+    assert shown(page, "figure .card img").getpixel((2, 2)) == (255, 255, 255)
 
 
 @every_width
-def test_figures_are_as_large_as_can_be_read(opened: Any, size: tuple[int, int]) -> None:
-    assert_figures_can_be_read(opened(size), size)
+def test_figures_open_large(opened: Any, size: tuple[int, int]) -> None:
+    assert_figures_open_large(opened(size), size)
 
 
 @every_width

@@ -6,7 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sizes import DESKTOP, assert_figures_can_be_read, assert_it_fits, every_width
+from sizes import (
+    DESKTOP,
+    assert_figures_have_the_colors_of_the_page,
+    assert_figures_open_large,
+    assert_it_fits,
+    every_scheme,
+    every_width,
+)
 from swept_cases import COMPUTED, GRID, NUMBERS, made_up, with_errors
 
 from fibermelt.report.sweep.page import render_sweep
@@ -27,10 +34,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @every_width
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@every_scheme
 def test_it_fits_and_its_images_are_shown(opened: Any, size: tuple[int, int], scheme: str) -> None:
     page = opened(size, color_scheme=scheme)
-    page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
     assert page.locator("figure img").count() > 1
     assert_it_fits(page, size, scheme)
 
@@ -57,7 +63,7 @@ def test_every_section_is_in_the_contents(opened: Any, size: tuple[int, int]) ->
 
 @every_width
 def test_words_of_the_sections_are_not_cut(opened: Any, size: tuple[int, int]) -> None:
-    """A table that is too wide scrolls within itself; what stands in one is never wider than it."""
+    """What stands in a section is never wider than the page."""
     page = opened(size)
     for name in ("computed", "sources"):
         box = page.locator(f"#{name}").bounding_box()
@@ -79,8 +85,13 @@ def test_tables_that_scroll_can_be_reached_by_keyboard(opened: Any) -> None:
 
 
 @every_width
-def test_figures_are_as_large_as_can_be_read(opened: Any, size: tuple[int, int]) -> None:
-    assert_figures_can_be_read(opened(size), size)
+def test_figures_open_large(opened: Any, size: tuple[int, int]) -> None:
+    assert_figures_open_large(opened(size), size)
+
+
+@every_scheme
+def test_figures_have_the_colors_of_the_page(opened: Any, scheme: str) -> None:
+    assert_figures_have_the_colors_of_the_page(opened(DESKTOP, color_scheme=scheme))
 
 
 def test_it_prints(opened: Any) -> None:

@@ -13,8 +13,10 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from markupsafe import Markup
 from PIL import Image
 
+from fibermelt.report.dark import darkened_image, in_both_schemes
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.plates import Plate
 
@@ -29,8 +31,8 @@ FIGURE_BUDGET = 3_800_000
 QUALITY = 90
 """Of WebP: no difference can be seen, unlike with 256 colours, that make a green line blue."""
 
-PLAIN = " /=;,-.'()+*!@&?[]"
-"""What stands in a data address as it is; the rest is escaped."""
+PLAIN = " /=;,-.'()+*!@?[]{}"
+"""What stands in a data address, and in an attribute, as it is; the rest is escaped."""
 
 _NOTES = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<!--.*?-->", re.S)
 _PATH = re.compile(r' d="([^"]*)"')
@@ -45,8 +47,9 @@ class Embedded:
     ----------
     name, title, paper, caption, alt : str
         As in `Plate` and `Words`.
-    source : str
-        The figure itself, as a data address.
+    source, dark : Markup
+        The figure itself, as a data address that can stand in an attribute as it is; another one
+        for a dark page, empty where the first has both.
     width, height : int
         Its size in dots, for the room that it takes before it is shown.
     """
@@ -56,7 +59,8 @@ class Embedded:
     paper: str
     caption: str
     alt: str
-    source: str
+    source: Markup
+    dark: Markup
     width: int
     height: int
 
@@ -64,8 +68,9 @@ class Embedded:
 def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None) -> list[Embedded]:
     """Return every figure that the results are enough for, ready to stand in a page.
 
-    They stay in lines (SVG) as long as all of them are within `FIGURE_BUDGET`; beyond, the
-    largest go over to dots (WebP) until they are.
+    They have the colours of a light page and of a dark one. They stay in lines (SVG) as long as
+    all of them are within `FIGURE_BUDGET`; beyond, the largest go over to dots (WebP) until they
+    are.
 
     Parameters
     ----------
@@ -106,22 +111,25 @@ def _draw(results: xr.Dataset) -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in draw_figures(results, Path(folder))}
 
 
-def _within_budget(plates: Sequence[Plate], files: Mapping[str, bytes]) -> dict[str, str]:
-    """Return the data addresses of figures, by name."""
-    sources = {plate.name: _in_lines(files[f"{plate.name}.svg"].decode()) for plate in plates}
-    total = sum(map(len, sources.values()))
-    for name in sorted(sources, key=lambda name: (-len(sources[name]), name)):
-        if total <= FIGURE_BUDGET:
+def _within_budget(
+    plates: Sequence[Plate], files: Mapping[str, bytes]
+) -> dict[str, tuple[str, str]]:
+    """Return the data addresses of figures by name, each as `Embedded` has them."""
+    sources = {plate.name: (_in_lines(files[f"{plate.name}.svg"].decode()), "") for plate in plates}
+    size = {name: len(lines) for name, (lines, _) in sources.items()}
+    for name in sorted(size, key=lambda name: (-size[name], name)):
+        if sum(size.values()) <= FIGURE_BUDGET:
             break
         dots = _in_dots(files[f"{name}.png"])
-        if len(dots) < len(sources[name]):
-            total += len(dots) - len(sources[name])
+        if sum(map(len, dots)) < size[name]:
+            size[name] = sum(map(len, dots))
             sources[name] = dots
     return sources
 
 
 def _in_lines(svg: str) -> str:
     """Return a drawing as a data address: without notes, paths to a hundredth of a point."""
+    svg = in_both_schemes(svg, _painted)
     bare = _PATH.sub(lambda path: f' d="{_rounded(path[1])}"', _NOTES.sub("", svg))
     bare = re.sub(r"\n\s*", "\n", bare).strip().replace('"', "'")
     return "data:image/svg+xml," + quote(bare, safe=PLAIN)
@@ -132,15 +140,26 @@ def _rounded(path: str) -> str:
     return short.replace("\n", "")
 
 
-def _in_dots(png: bytes) -> str:
-    """Return a drawing as a data address, in dots that take a third of what PNG takes."""
+def _in_dots(png: bytes) -> tuple[str, str]:
+    """Return a drawing, light and dark, in dots that take a third of what PNG takes."""
+    light = Image.open(io.BytesIO(png)).convert("RGB")
+    dark = darkened_image(light).convert("RGB")
+    return _address(light, lossless=False), _address(dark, lossless=False)
+
+
+def _painted(image: Image.Image) -> str:
+    """Return what is painted inside a drawing as a data address, in the fewest bytes."""
+    return min((_address(image, lossless=lossless) for lossless in (True, False)), key=len)
+
+
+def _address(image: Image.Image, *, lossless: bool) -> str:
     stream = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", quality=QUALITY)
+    image.save(stream, "webp", lossless=lossless, quality=QUALITY)
     return "data:image/webp;base64," + base64.b64encode(stream.getvalue()).decode()
 
 
 def _embedded(
-    plate: Plate, results: xr.Dataset, files: Mapping[str, bytes], source: str
+    plate: Plate, results: xr.Dataset, files: Mapping[str, bytes], source: tuple[str, str]
 ) -> Embedded:
     words = plate.words(results)
     width, height = struct.unpack(">II", files[f"{plate.name}.png"][16:24])
@@ -150,7 +169,8 @@ def _embedded(
         paper=plate.paper,
         caption=words.caption,
         alt=words.alt,
-        source=source,
+        source=Markup(source[0]),
+        dark=Markup(source[1]),
         width=width,
         height=height,
     )

@@ -273,10 +273,9 @@ def history_words(results: xr.Dataset) -> Words:
             "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
             f"(c, d) The melt around the fiber of (a) at {number(instant.time, 3)} s, lowest at "
             "Loc. 1, in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 "
-            "(white "
-            "arrows: velocity relative to its center; dark arrow: where it goes), and pressure "
-            f"less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet ends are "
-            f"left out.{beside}"
+            "(outlined arrows: velocity relative to its center; full arrow: where it goes), and "
+            f"pressure less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet "
+            f"ends are left out.{beside}"
         ).replace(" -", " −"),
         alt=(
             f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "

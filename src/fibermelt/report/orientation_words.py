@@ -50,7 +50,7 @@ def across_words(results: xr.Dataset) -> Words:
             "tensor along the streamline; bars lie along the preferred direction in the plane and "
             "are as long as its two eigenvalues in the plane differ. (c) Diagonal of the tensor "
             "and (d) preferred direction from the bed's motion, counter-clockwise, at the outlet, "
-            "one mark for each streamline; dotted: isotropic, and along the bed. White in the "
+            "one mark for each streamline; dotted: isotropic, and along the bed. Blank in the "
             "maps: beyond the outermost streamlines."
         ),
         alt=(

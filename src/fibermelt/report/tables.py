@@ -21,6 +21,7 @@ __all__ = [
     "short",
     "sized",
     "table",
+    "width_class",
 ]
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -30,6 +31,10 @@ SMALLEST, LARGEST = 1e-3, 1e6
 
 ERROR_DIGITS = 2
 """Significant digits of an error estimate: it is no better known."""
+
+
+MANY, MOST = 3, 8
+"""Columns that fit across a phone and across a desktop's page: 6 em each beside the rows' names."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +159,7 @@ def measured(value: float, error: float) -> str:
 
 
 def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> Markup:
-    """Return rows as an HTML table that scrolls inside itself where it is too wide.
+    """Return rows as an HTML table that fits a screen: rows of many columns become lists of cells.
 
     Parameters
     ----------
@@ -177,23 +182,33 @@ def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]
         for first, column in zip([True, *[False] * len(columns)], columns, strict=False)
     )
     body = Markup("\n").join(_row(columns, cells) for cells in rows)
+    name = width_class(len(columns))
     return Markup(
         '<div class="scroll" role="region" tabindex="0" aria-label="{0}">\n'
-        "<table><caption><span>{0}</span></caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
+        "<table{3}><caption><span>{0}</span></caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
         "\n</div>\n"
-    ).format(caption, head, body)
+    ).format(caption, head, body, Markup(' class="{}"').format(name) if name else "")
 
 
 def _row(columns: Sequence[Column], cells: Sequence[str]) -> Markup:
     if len(cells) != len(columns):
         msg = f"a table of {len(columns)} columns was given a row of {len(cells)} cells"
         raise ValueError(msg)
-    first = Markup('<th scope="row">{}</th>').format(cells[0])
+    first = Markup('<th scope="row" data-label="{}">{}</th>').format(_label(columns[0]), cells[0])
     rest = (
-        Markup('<td{} data-label="{}">{}</td>').format(_kind(column), column.title, cell)
+        Markup('<td{} data-label="{}">{}</td>').format(_kind(column), _label(column), cell)
         for column, cell in zip(columns[1:], cells[1:], strict=True)
     )
     return Markup("<tr>{}{}</tr>").format(first, Markup().join(rest))
+
+
+def width_class(columns: int) -> str:
+    """Return the page's class of a table of so many columns; its cells have ``data-label`` then."""
+    return "most" if columns > MOST else "many" if columns > MANY else ""
+
+
+def _label(column: Column) -> str:
+    return f"{column.title} [{column.unit}]" if column.unit else column.title
 
 
 def _kind(column: Column) -> Markup:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from fibermelt.report.judged import VERDICTS
-from fibermelt.report.tables import Column, number
+from fibermelt.report.tables import Column, number, width_class
 from fibermelt.report.tables import table as tables
 from fibermelt.study.claims.judge import Claim
 from fibermelt.study.sweep.claims import SweptClaim, swept_claims
@@ -34,6 +34,11 @@ class _Column:
     group: str
     head: str
     cases: tuple[int, ...]
+
+    @property
+    def label(self) -> str:
+        """What stands for both heads where there is no room for them."""
+        return f"{self.group}, {self.head}" if self.group else self.head
 
 
 def claims_matrix(collected: xr.Dataset, table: SweepTable) -> Markup:
@@ -67,10 +72,10 @@ def claims_matrix(collected: xr.Dataset, table: SweepTable) -> Markup:
         return _opening(found, table) + others
     matrix = Markup(
         '<div class="scroll" role="region" tabindex="0" aria-label="Claims over the sweep">\n'
-        '<table class="matrix"><caption>✓ holds, ≠ differs, ? cannot be judged; below, what the '
+        '<table class="matrix {}"><caption>✓ holds, ≠ differs, ? cannot be judged; below, what the '
         "case has for it, in the claim’s unit</caption>\n"
         "<thead>{}</thead>\n{}</table></div>\n"
-    ).format(_head(columns), Markup().join(bodies))
+    ).format(width_class(len(columns) + 2), _head(columns), Markup().join(bodies))
     return _opening(found, table) + matrix + others
 
 
@@ -180,7 +185,7 @@ def _row(one: SweptClaim, columns: Sequence[_Column]) -> Markup:
     cells = Markup().join(_cell(one, column) for column in columns)
     return Markup(
         '<tr><th scope="row">{} <span class="reason">{}</span><br><code class="key">{}</code></th>'
-        '<td class="verdict finding" data-verdict="{}">{}</td>{}</tr>\n'
+        '<td class="verdict finding" data-verdict="{}" data-label="Over the sweep">{}</td>{}</tr>\n'
     ).format(one.claim.statement, _meant(one.claim), one.claim.id, known, finding, cells)
 
 
@@ -196,20 +201,24 @@ def _cell(one: SweptClaim, column: _Column) -> Markup:
     there = [each for each in judged if each is not None]
     if not there:
         return Markup(
-            '<td><span aria-hidden="true">–</span><span class="heard">{}</span></td>'
-        ).format(UNANSWERED)
+            '<td data-label="{}"><span aria-hidden="true">–</span>'
+            '<span class="heard">{}</span></td>'
+        ).format(column.label, UNANSWERED)
     verdicts = {each.verdict for each in there}
     if len(verdicts) > 1:
         holding = sum(each.verdict == "holds" for each in there)
-        return Markup('<td class="mixed">{} of {} hold</td>').format(holding, len(there))
+        return Markup('<td class="mixed" data-label="{}">{} of {} hold</td>').format(
+            column.label, holding, len(there)
+        )
     verdict = there[0].verdict
     value = there[0].value
     ours = "" if len(there) > 1 or value is None else number(value, 3)
     return Markup(
-        '<td class="verdict" data-verdict="{0}"><span aria-hidden="true">{1}</span>'
-        '<span class="heard">{0}</span>{2}</td>'
+        '<td class="verdict" data-verdict="{0}" data-label="{3}">'
+        '<span aria-hidden="true">{1}</span><span class="heard">{0}</span>{2}</td>'
     ).format(
         verdict,
         VERDICTS[verdict],
         Markup(' <span class="ours">{}</span>').format(ours) if ours else "",
+        column.label,
     )

@@ -127,7 +127,7 @@ def map_words(collected: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"Responses over {upright.title} and {along.title}, a field for each case; each map "
-            f"has a scale of its own, from dark (lowest) to light (highest).{grey} Steps between "
+            f"has a scale of its own, from blue (lowest) to yellow (highest).{grey} Steps between "
             "the values are drawn alike, whatever they are."
         ),
         alt=" ".join(_ends(table, one) for one in table.varying),
