@@ -114,7 +114,7 @@ def validate(
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.loading import load_study  # noqa: PLC0415
-        from fibermelt.study.melt import melt_notes  # noqa: PLC0415
+        from fibermelt.study.notes import study_notes  # noqa: PLC0415
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
         from fibermelt.study.wrapping import unbroken, wrapped  # noqa: PLC0415
@@ -131,7 +131,7 @@ def validate(
         what = "study" if swept is None else f"sweep of {_counted(count)} over {swept.told()}"
         shown = unbroken(legible(study, len(study)))
         lines = [f"{shown}: a valid {what} ({resolved.origin})"]
-        lines += [f"note            {note}" for note in melt_notes(resolved.config)]
+        lines += [f"note            {note}" for note in study_notes(resolved.config)]
         say(wrapped(lines, columns()))
 
 

@@ -36,6 +36,9 @@ __all__ = [
 LAW = "law"
 """The table that stages declare for the law of viscosity: its name and its constants, in SI."""
 
+LARGEST_REYNOLDS = 0.01
+"""Reynolds number up to which a flow creeps: inertia then changes stresses by about as much."""
+
 SAME_TEMPERATURE = 1e-9
 """Part by which temperatures may differ and be one: 446 degF is 230 degC but for a rounding."""
 
@@ -118,14 +121,35 @@ def melt_of(config: Config) -> Melt:
 
 
 def melt_notes(config: Config) -> list[str]:
-    """Return what a person has to know of the melt's viscosity, a sentence each."""
+    """Return what a person has to know of the melt, a sentence each."""
     table = config.melt
-    if table.missing or (at := _held_at(table)) is None:
+    if table.missing:
         return []
+    notes = _inertia(config)
+    if (at := _held_at(table)) is None:
+        return notes
     return [
+        *notes,
         f"the viscosity is that of {at - ZERO_CELSIUS:g} degC, the melt's temperature "
         f"{table.kelvin - ZERO_CELSIUS:g} degC: nothing tells how it follows the temperature; "
-        "give melt.activation_temperature, or the constants at that temperature"
+        "give melt.activation_temperature, or the constants at that temperature",
+    ]
+
+
+def _inertia(config: Config) -> list[str]:
+    """Tell a Reynolds number ``rho V W / eta`` of the capillary at which inertia counts."""
+    flow, density = config.flow, config.melt.density
+    if density is None:
+        return []
+    width, flux = flow.capillary_width, flow.inlet_speed * flow.inlet_width
+    viscosity = float(melt_of(config).law.viscosity_at(6 * flux / width**2))
+    reynolds = density * flux / viscosity
+    if reynolds <= LARGEST_REYNOLDS:
+        return []
+    return [
+        f"the Reynolds number of the capillary is {reynolds:.2g}, that of a creeping flow below "
+        f"{LARGEST_REYNOLDS:g}: inertia, which is left out here, changes what comes out; is "
+        f"the viscosity of {viscosity:.3g} Pa s meant?"
     ]
 
 

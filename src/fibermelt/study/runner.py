@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.errors import DamagedError, legible
 from fibermelt.software import versions_of
 from fibermelt.study.files import canonical, digest, write_through
-from fibermelt.study.melt import melt_notes, values_of
+from fibermelt.study.melt import values_of
 from fibermelt.study.netcdf import to_bytes
+from fibermelt.study.notes import study_notes
 from fibermelt.study.outputs import is_published, publish
 from fibermelt.study.parts import Chain
 from fibermelt.study.progress import Observer, Silent
@@ -240,7 +241,7 @@ class _Run:
         }
         parts = self.chain.asked(self.study.config.study.parts)
         summary: dict[str, Any] = {"schema": SCHEMA}
-        if notes := melt_notes(self.study.config):
+        if notes := study_notes(self.study.config):
             summary["notes"] = notes
         for part in parts:
             summary |= part.summarize(results)

@@ -30,9 +30,9 @@ def advice(found: Mapping[str, Any]) -> str:
     found : mapping
         What summary.json has under ``"voids"``.
     """
-    critical, lowest = found["critical_moisture"], found["lowest_pressure"]
-    if lowest is None:
+    if found["lowest_pressure"] is None:
         return "Not told: every streamline passes a singular corner; follow more of them."
+    critical, lowest = _worst_fiber(found)
     if critical is None:
         return "Nothing: no moisture that the polymer can hold starts a void."
     if critical > 0:
@@ -52,6 +52,16 @@ def advice(found: Mapping[str, Any]) -> str:
         f"Dry below {_percent(alone)}, so that the melt between the fibers cannot boil, and slow "
         f"down: {tension}."
     )
+
+
+def _worst_fiber(found: Mapping[str, Any]) -> tuple[float | None, float]:
+    """Return the lowest critical moisture of any fiber, None if none starts a void, and pressure.
+
+    What is said of any fiber must hold for each that is told of beside it.
+    """
+    told = [found, *(one for basis, one in found["by_basis"].items() if basis == "spheroid")]
+    critical = [one["critical_moisture"] for one in told if one["critical_moisture"] is not None]
+    return min(critical, default=None), min(float(one["lowest_pressure"]) for one in told)
 
 
 def _percent(share: float) -> str:
