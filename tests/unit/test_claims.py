@@ -1,6 +1,8 @@
 """Claims are judged by the numbers: a changed number turns the verdict."""
 
 import math
+import re
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -38,6 +40,31 @@ def results():
 def test_every_claim_has_its_quantity_and_every_quantity_its_claim():
     assert len(EVERY) == len(claims())
     assert {claim.quantity for claim in claims()} == set(QUANTITIES)
+
+
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_a_statement_of_the_paper_stands_without_its_neighbours(claim):
+    """The page can leave out the rows before it."""
+    first = claim.statement.split()[0]
+    assert first not in {"It", "That", "There", "Those", "This", "With"}
+    assert not re.search(
+        r"\b(the same|that (time|entrance|component)|does it)\b", claim.statement, re.I
+    )
+
+
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_what_only_we_test_is_not_said_to_be_the_papers(claim):
+    """The paper follows ellipses in a plane, as they turn, and leaves no streamline out."""
+    ours = (
+        r"whatever direction|worst direction|in space|spheroid|singular|all streamlines|sqrt\(2\)"
+    )
+    assert not re.search(ours, claim.statement)
+
+
+def test_tests_of_one_statement_differ_in_what_they_test():
+    shared = Counter(claim.statement for claim in claims())
+    assert shared["Voids are likelier near the bed than near the free surface."] == 6
+    assert len({(claim.statement, claim.measure) for claim in claims()}) == len(claims())
 
 
 @pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)

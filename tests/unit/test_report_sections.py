@@ -285,7 +285,7 @@ def test_without_a_bead_the_answer_is_of_a_fiber(
 CLAIM = {"statement": "s", "paper": "1", "ours": "2", "reason": "why", "measure": "what of it"}
 
 
-def test_claims_are_counted_by_section_of_the_paper() -> None:
+def test_claims_are_counted_by_section_of_the_paper(bead: xr.Dataset) -> None:
     listed = [
         {**CLAIM, "id": "a", "section": "2.3, Table 1", "verdict": "holds"},
         {**CLAIM, "id": "b", "section": "2.3, Fig. 8-9, and 4", "verdict": "differs"},
@@ -301,6 +301,12 @@ def test_claims_are_counted_by_section_of_the_paper() -> None:
     assert html.count('type="radio"') == 4
     assert html.count('checked=""') == 1
     assert "what of it" in html
+    # One statement may be tested in several ways.
+    listed[0]["statement"] = "another"
+    words = "3 tests of 2 statements of the paper"
+    summary = {**stored_summary(bead), "claims": listed}
+    assert f"<p>{words}, judged by code" in claims(xr.Dataset(), summary)
+    assert f"Of {words}: holds 1, differs 1, cannot be judged 1 (" in answer(bead, summary)
 
 
 CHECKS: dict[str, Any] = {

@@ -158,8 +158,10 @@ def test_verdicts_have_a_word_for_who_does_not_see_the_sign(tmp_path):
     _, words = read(page)
     assert "0 hold throughout, 0 differ throughout, 1 depend on what varied" in words
     assert "depends on gap" in words
+    statements = {claim.statement for claim in claims()}
+    assert f"{len(claims())} tests of {len(statements)} statements of the paper, judged" in words
     # What no case can judge stands apart, with the reason.
-    assert f"{len(claims()) - 1} statements that no case can judge" in words
+    assert f"{len(claims()) - 1} tests that no case can judge" in words
 
 
 def test_many_cases_share_columns(tmp_path):

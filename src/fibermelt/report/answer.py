@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.report.account import parameters
-from fibermelt.report.judged import tally
+from fibermelt.report.judged import counted, tally
 from fibermelt.report.tables import fixed, number, short, sized
 from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.summary import worst_line
@@ -61,8 +61,8 @@ def answer(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         for note in summary.get("notes", ())
     ]
     if listed := summary.get("claims"):
-        words = Markup('<p class="fine">Of {} statements of the paper: {} (<a href="#claims">')
-        lines.append(words.format(len(listed), tally(listed)) + Markup("each of them</a>).</p>\n"))
+        words = Markup('<p class="fine">Of {}: {} (<a href="#claims">each of them</a>).</p>\n')
+        lines.append(words.format(counted(one["statement"] for one in listed), tally(listed)))
     return Markup().join(lines)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -15,7 +15,7 @@ from fibermelt.report.tables import Column, number, table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["claims", "tally", "verification"]
+__all__ = ["claims", "counted", "tally", "verification"]
 
 VERDICTS = {"holds": "✓", "differs": "≠", "cannot be judged": "?"}
 """Signs of the verdicts, so that no colour is needed to tell them apart."""
@@ -48,6 +48,16 @@ def tally(listed: Claims) -> str:
     return ", ".join(f"{verdict} {count[verdict]}" for verdict in VERDICTS if count[verdict])
 
 
+def counted(statements: Iterable[str]) -> str:
+    """Return how many tests there are of how many statements of the paper, by their statements."""
+    count = Counter(statements)
+    tests, several = count.total(), len(count)
+    return (
+        f"{tests} test{'s' if tests != 1 else ''} of "
+        f"{several} statement{'s' if several != 1 else ''} of the paper"
+    )
+
+
 def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the claims with their verdicts, by section of the paper; nothing if there are none."""
     del results
@@ -57,9 +67,9 @@ def claims(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for claim in listed:
         groups.setdefault(_chapter(claim), []).append(claim)
-    head = Markup(
-        "<p>{} of the paper, judged by code against the stored numbers. Verdicts: {}.</p>\n"
-    ).format(f"{len(listed)} statement{'s' if len(listed) != 1 else ''}", tally(listed))
+    head = Markup("<p>{}, judged by code against the stored numbers. Verdicts: {}.</p>\n").format(
+        counted(claim["statement"] for claim in listed), tally(listed)
+    )
     tables = [table(name, COLUMNS, map(_claim, group)) for name, group in groups.items()]
     return head + _counts(groups, listed) + _filter(listed) + Markup().join(tables)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from fibermelt.report.judged import VERDICTS
+from fibermelt.report.judged import VERDICTS, counted
 from fibermelt.report.tables import Column, number, width_class
 from fibermelt.report.tables import table as tables
 from fibermelt.study.claims.judge import Claim
@@ -89,7 +89,7 @@ def _unjudged(found: Sequence[SweptClaim]) -> Markup:
         reasons = dict.fromkeys(each.reason for each in one.judgements if each is not None)
         rows.append((one.claim.statement, "; ".join(reasons) or UNANSWERED))
     return Markup("<details><summary>{} that no case can judge</summary>\n{}</details>\n").format(
-        f"{len(found)} statement{'s' if len(found) != 1 else ''}",
+        f"{len(found)} test{'s' if len(found) != 1 else ''}",
         tables("Claims that this sweep cannot judge", columns, rows),
     )
 
@@ -104,12 +104,12 @@ def _opening(found: Sequence[SweptClaim], table: SweepTable) -> Markup:
     holding, differing = (findings.count(f"{word} throughout") for word in ("holds", "differs"))
     unknown = findings.count("cannot be judged") + findings.count("no case has an answer")
     words = Markup(
-        "<p>{} statements of the paper, judged by code against the numbers of {} of {} cases: "
+        "<p>{}, judged by code against the numbers of {} of {} cases: "
         "{} hold throughout, {} differ throughout, {} depend on what varied or on the case, {} "
         "cannot be judged. A claim depends on what turns its verdict when nothing else "
         "changes.</p>\n"
     ).format(
-        len(found),
+        counted(one.claim.statement for one in found),
         table.status.count("done"),
         len(table.status),
         holding,
