@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from markupsafe import Markup
 from stored_bead import stored_results, stored_summary
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
@@ -335,7 +336,7 @@ def test_checks_are_told_where_they_are_stored() -> None:
 
 
 def embedded(name: str) -> Embedded:
-    return Embedded(name, name, "", "caption", "alt", "data:,", 10, 10)
+    return Embedded(name, name, "", "caption", "alt", Markup("data:,"), Markup(), 10, 10)
 
 
 def test_each_figure_stands_once_and_where_it_belongs(bead: xr.Dataset) -> None:
