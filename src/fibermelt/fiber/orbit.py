@@ -128,8 +128,8 @@ def orbit(
     if isinstance(response, ThinningResponse):
         return _thinning_orbit(response, shear_rate, viscosity, angle)
     refuse_other("response", response, FiberResponse)
+    shear_rate, _, angle = checked_shear(shear_rate, 1.0, angle)
     constant = float(newtonian_viscosity(viscosity, np.asarray(0.5 * shear_rate)))
-    shear_rate, constant, angle = checked_shear(shear_rate, constant, angle)
     amplitude = 0.5 * constant * shear_rate
     lowest_at, where = _lowest(response, angle)
     highest = amplitude * response.curve.farthest

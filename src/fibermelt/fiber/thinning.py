@@ -23,7 +23,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from fibermelt.errors import ConfigError
@@ -180,7 +180,7 @@ class ThinningResponse:
             else float(self.rate[-1]),
         )
 
-    def checked(self, rate: ArrayLike) -> Array:
+    def checked(self, rate: float | Array) -> Array:
         """Return rates [1/s] as an array, or refuse those that the table does not answer for."""
         rates = np.asarray(rate, dtype=np.float64)
         low, high = self.covered
@@ -194,7 +194,7 @@ class ThinningResponse:
             raise ConfigError(msg)
         return rates
 
-    def series(self, rate: ArrayLike) -> SpinSeries:
+    def series(self, rate: float | Array) -> SpinSeries:
         """Return ``omega`` at rates [1/s], to be read at any direction."""
         rates = self.checked(rate)
         if self.rate.size == 1:
@@ -203,7 +203,7 @@ class ThinningResponse:
         at = np.log(np.clip(rates, self.rate[0], self.rate[-1]))
         return SpinSeries(np.moveaxis(self._spin_spline(at), -1, 0))
 
-    def omega(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+    def omega(self, rate: float | Array, phase: float | Array) -> Array:
         """Return the torque-free spin relative to the melt's over ``d`` [-]; shapes broadcast."""
         rates, phases = np.broadcast_arrays(np.asarray(rate, float), np.asarray(phase, float))
         return self.series(rates)(phases)
@@ -237,7 +237,7 @@ class ThinningResponse:
         read = [_spline(np.log(self.rate), part)(fine) for part in (parts[0], parts[2])]
         return read[0], parts[1][near], read[1]
 
-    def _row(self, rate: ArrayLike, rows: int) -> Array:
+    def _row(self, rate: float | Array, rows: int) -> Array:
         """Return where rates lie on the fine axis, [0, rows - 1]."""
         rates = self.checked(rate)
         if rows == 1:
@@ -246,7 +246,7 @@ class ThinningResponse:
         at = np.log(np.clip(rates, first, last) / first) / np.log(last / first)
         return np.asarray(at * (rows - 1))
 
-    def lowest_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+    def lowest_at(self, rate: float | Array, phase: float | Array) -> Array:
         """Return the lowest surface pressure over ``eta d`` [-]; shapes broadcast.
 
         That the highest is the lowest of the reversed flow, ``h(phi) = -l(phi + pi)``, needs no
@@ -254,11 +254,11 @@ class ThinningResponse:
         """
         return self._read(self._table[0], rate, phase)
 
-    def tip_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+    def tip_at(self, rate: float | Array, phase: float | Array) -> Array:
         """Return the pressure at the tips over ``eta d`` [-]; shapes broadcast."""
         return self._read(self._table[2], rate, phase)
 
-    def _read(self, table: Array, rate: ArrayLike, phase: ArrayLike) -> Array:
+    def _read(self, table: Array, rate: float | Array, phase: float | Array) -> Array:
         """Return a table's values, linear between its knots; even in the phase."""
         row, (left, part, _) = self._row(rate, len(table)), _fold(phase, table.shape[1])
         upper = np.minimum(row.astype(np.intp), max(len(table) - 2, 0))
@@ -273,7 +273,7 @@ class ThinningResponse:
             )
         return np.asarray(value)
 
-    def where_lowest_at(self, rate: ArrayLike, phase: ArrayLike) -> Array:
+    def where_lowest_at(self, rate: float | Array, phase: float | Array) -> Array:
         """Return the eccentric angle [rad] of the lowest pressure, in (-pi/2, pi/2], 0 the tip.
 
         That of the nearest knot: places jump where two are as low.
@@ -282,7 +282,7 @@ class ThinningResponse:
         row, (left, part, sign) = self._row(rate, len(table)), _fold(phase, table.shape[1])
         return np.asarray(sign * table[np.rint(row).astype(np.intp), left + (part > 0.5)])
 
-    def bounds(self, rate: ArrayLike) -> tuple[Array, Array]:
+    def bounds(self, rate: float | Array) -> tuple[Array, Array]:
         """Return the lowest pressure over ``eta d`` [-] of the worst and of the mildest direction.
 
         The highest are their opposites.
@@ -382,7 +382,7 @@ def _spline(x: Array, values: Array) -> Any:
     return lambda at: values[0] + ((at - x[0]) / (x[1] - x[0]))[..., None] * (values[1] - values[0])
 
 
-def _fold(phase: ArrayLike, width: int) -> tuple[NDArray[np.intp], Array, Array]:
+def _fold(phase: float | Array, width: int) -> tuple[NDArray[np.intp], Array, Array]:
     """Return the knot left of a phase folded to [0, pi], the part of the way, its sign."""
     turned = np.asarray(phase, dtype=np.float64)
     turned = turned - 2.0 * np.pi * np.rint(turned / (2.0 * np.pi))
