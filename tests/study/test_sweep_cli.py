@@ -147,7 +147,8 @@ def test_a_table_is_collected_by_its_suffix(tmp_path):
     _, out, _ = swept(tmp_path)
     table = tmp_path / "x.csv"
     for _ in range(2):  # the second takes the place of the first
-        assert fibermelt("collect", out, "--to", table).exit_code == 0
+        # three of its cases have no answer: 1, and the table is written all the same
+        assert fibermelt("collect", out, "--to", table).exit_code == 1
     with table.open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["status"] for row in rows] == ["failed"] * 3 + ["done"] * 3

@@ -13,7 +13,7 @@ from fibermelt.cli import app
 from fibermelt.study.bead.flow import flow_from, flow_stage
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
-from fibermelt.study.parameters import flatten
+from fibermelt.study.melt import values_of
 from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
 from fibermelt.study.store import Store
 from fibermelt.study.sweep.design import read_sweep
@@ -213,7 +213,7 @@ def stored(real, kind):
     jobs = plan_sweep(read_sweep(study), study, CHAIN).jobs.values()
     job = next(job for job in jobs if job.kind == kind)
     store = Store.open(out)
-    values = {**flatten(study.config), **job.case.changes}
+    values = {**values_of(study.config), **job.case.changes}
     return stage_parameters(stage, values), store.load(store.find("flow", job.key))
 
 
