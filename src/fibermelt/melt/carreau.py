@@ -53,12 +53,7 @@ class CarreauYasuda(ViscosityLaw):
         """Refuse a melt that cannot be."""
         self._require("viscosity", "time_constant", "transition")
         self._require_index(self.index)
-        if not 0.0 <= self.infinite_viscosity < self.viscosity:
-            msg = (
-                f"melt.infinite_viscosity = {self.infinite_viscosity:g} Pa s must be at least 0 "
-                f"and below melt.viscosity = {self.viscosity:g} Pa s, that at rest"
-            )
-            raise ConfigError(msg)
+        self._require_below_rest(self.infinite_viscosity, self.viscosity)
         if not 0.1 <= self.transition <= 10.0:
             msg = f"melt.transition = {self.transition:g} must lie in 0.1 to 10; 2 is Carreau's law"
             raise ConfigError(msg)

@@ -55,12 +55,7 @@ class Cross(ViscosityLaw):
         if self.index > 1.0:
             msg = f"melt.index = {self.index:g} must be at most 1: Cross' law thins"
             raise ConfigError(msg)
-        if not 0.0 <= self.infinite_viscosity < self.viscosity:
-            msg = (
-                f"melt.infinite_viscosity = {self.infinite_viscosity:g} Pa s must be at least 0 "
-                f"and below melt.viscosity = {self.viscosity:g} Pa s, that at rest"
-            )
-            raise ConfigError(msg)
+        self._require_below_rest(self.infinite_viscosity, self.viscosity)
 
     @property
     def time_constant(self) -> float:

@@ -149,6 +149,15 @@ class ViscosityLaw(ABC):
                 msg = f"melt.{name} = {value:g} must be {what}"
                 raise ConfigError(msg)
 
+    def _require_below_rest(self, infinite_viscosity: float, viscosity: float) -> None:
+        """Refuse a viscosity at infinite rate that is not below the one at rest."""
+        if not 0.0 <= infinite_viscosity < viscosity:
+            msg = (
+                f"melt.infinite_viscosity = {infinite_viscosity:g} Pa s must be at least 0 "
+                f"and below melt.viscosity = {viscosity:g} Pa s, that at rest"
+            )
+            raise ConfigError(msg)
+
     def _require_index(self, index: float) -> None:
         """Refuse an index of no melt."""
         self._require("index")
