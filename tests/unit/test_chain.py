@@ -182,5 +182,6 @@ def test_a_table_that_no_part_reads_is_told(tmp_path):
     path.write_text('preset = "paper"\n[voids]\nmoisture = "0.1 %"\n')
     assert CHAIN.unread(load_study(str(path))) == []
     assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
+    assert CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1"])) == []
     path.write_text(defaults_toml())
     assert CHAIN.unread(load_study(str(path))) == []

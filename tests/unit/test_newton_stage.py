@@ -7,27 +7,33 @@ import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import newton_motion
+from fibermelt.history import FlowHistory
 from fibermelt.study.bead.newton import newton_motions
 from fibermelt.study.loading import resolve
+
+
+def history(points):
+    time, none = np.linspace(0.0, 1.0, points), np.zeros((points, 2))
+    return FlowHistory(time, none, none, np.zeros((points, 2, 2)), np.zeros(points))
 
 
 def test_time_to_go_is_at_the_pace_so_far(monkeypatch):
     """A solve takes 2 s by the clock of this test, a streamline 600 s."""
     now = [0.0]
 
-    def solve(load):
-        now[0] += 2.0
-        return load
+    def motion(half_length, melt, angle, guess):
+        now[0] += 8.0
+        free.solves += 4
 
-    def follow(system, fiber, history, viscosity, angles):
+    def follow(free, fiber, history, viscosity, angles):
         now[0] += 600.0
         return history
 
     monkeypatch.setattr(newton_motion, "follow_newton", follow)
-    system = SimpleNamespace(free=np.arange(7), solve=solve)
-    lines, histories = [], [range(50), range(50), range(50)]
+    free = SimpleNamespace(unknowns=7, solves=0, motion=motion)
+    lines, histories = [], [history(50)] * 3
     angles = np.zeros(13)
-    found = newton_motions(system, None, histories, 817.0, angles, lines.append, lambda: now[0])
+    found = newton_motions(free, None, histories, 817.0, angles, lines.append, lambda: now[0])
     assert list(found) == histories
     # 8 solves for each of 13 angles at each of 150 points, of 2 s
     assert lines[0] == (

@@ -226,7 +226,7 @@ def test_a_singular_streamline_is_told_apart():
 
 def test_the_advice_follows_from_the_critical_moisture():
     melt = {"melt": {"critical_moisture": 2e-4}}
-    wet = {"moisture": 1e-3, "by_basis": melt, "lowest_pressure": 1e5}
+    wet = {"moisture": 1e-3, "by_basis": melt, "lowest_pressure": 1e5, "speed_exponent": 1.0}
     assert advice({**wet, "critical_moisture": None}).startswith("Nothing")
     dry = {**wet, "critical_moisture": 4e-4, "lowest_pressure": 1e4}
     assert advice(dry).startswith("Dry the material: below 0.040 % moisture no void starts")
@@ -237,6 +237,11 @@ def test_the_advice_follows_from_the_critical_moisture():
     assert "below 50 % of these" in advice(tension)
     assert advice(tension).startswith("Dry below 0.020 %")
     assert advice({**tension, "moisture": 1e-4}).startswith("Slow down")
+    # Stresses of a power law go with the root of the speeds: a quarter halves them.
+    assert "below 25 % of these" in advice({**tension, "speed_exponent": 0.5})
+    assert "low enough: how low, runs at other speeds tell" in advice(
+        {**tension, "speed_exponent": None}
+    )
     assert advice({**wet, "critical_moisture": None, "lowest_pressure": None}).startswith(
         "Not told"
     )
@@ -249,7 +254,12 @@ def test_the_advice_follows_from_the_critical_moisture():
 def test_what_to_stay_below_is_never_rounded_up(share, told):
     """At the speed that is told no fiber may be under tension any more."""
     lowest = ATMOSPHERE * (1 - 1 / share)
-    found = {"moisture": 0.0, "critical_moisture": 0.0, "lowest_pressure": lowest}
+    found = {
+        "moisture": 0.0,
+        "critical_moisture": 0.0,
+        "lowest_pressure": lowest,
+        "speed_exponent": 1.0,
+    }
     melt = {"melt": {"critical_moisture": 1e-3}}
     assert f"until both speeds are below {told} of these" in advice({**found, "by_basis": melt})
 

@@ -78,6 +78,16 @@ class FiberModel:
     spheroid: SpheroidResponse | None = None
     thinning: ThinningResponse | None = None
 
+    @property
+    def turning(self) -> float | ThinningResponse:
+        """Return what turns it in the plane of the flow: a shape factor, or its table."""
+        return self.response.shape_factor if self.thinning is None else self.thinning
+
+    @property
+    def in_plane(self) -> FiberResponse | ThinningResponse:
+        """Return its answer in the plane of the flow, in its melt."""
+        return self.response if self.thinning is None else self.thinning
+
     def isotropic_pressure(
         self,
         path: Path,
@@ -89,17 +99,14 @@ class FiberModel:
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, exactly; over the sphere for a spheroid, by ``count``
-        directions (`equal_area_directions`), between whose values quantiles are linear. The other
+        In the plane for an ellipse, and for all in a melt that thins; over the sphere for a
+        spheroid in a Newtonian one, by ``count`` directions (`equal_area_directions`), between
+        whose values quantiles are linear. The other
         parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
         """
-        if self.thinning is not None:
+        if self.spheroid is None or self.thinning is not None:
             return isotropic_pressure(
-                path, self.thinning, viscosity, middle_time, levels, tolerance
-            )
-        if self.spheroid is None:
-            return isotropic_pressure(
-                path, self.response, viscosity, middle_time, levels, tolerance
+                path, self.in_plane, viscosity, middle_time, levels, tolerance
             )
         return _isotropic_spheroids(
             path, self.spheroid, viscosity, middle_time, count, levels, tolerance

@@ -16,13 +16,15 @@ thousands of times ``|L|``, and would cost as many digits of the pressure.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.fiber.cell_data import CellSystem
 
-__all__ = ["NewtonSolver", "Rates", "free_motion"]
+__all__ = ["FreeFiber", "NewtonSolver", "Rates"]
 
 Array = NDArray[np.float64]
 
@@ -37,6 +39,46 @@ Rates = tuple[Array, Array]
 """The fiber's velocity and spin, and the cell's unknowns that go with them."""
 
 
+class FreeFiber(Protocol):
+    """A fiber that force and torque are balanced on at every step, in whichever melt."""
+
+    solves: int
+    """Linear solves so far."""
+    iterations: int
+    """Corrections by Newton-Raphson so far."""
+    aspect_ratio: float
+    """``r_e`` [-]."""
+    surface: Array
+    """Eccentric angles of the surface points [rad], (m,), the tip first."""
+
+    @property
+    def unknowns(self) -> int:
+        """Return the number of unknowns of a solve."""
+
+    def motion(self, half_length: float, melt: Array, angle: float, guess: Array) -> Rates:
+        """Return velocity [m/s] and spin [1/s] in the axes of the flow, and the cell's unknowns.
+
+        Parameters
+        ----------
+        half_length : float
+            ``a`` [m]: it scales the fiber's velocity relative to the melt.
+        melt : (6,) array
+            Velocity [m/s] and velocity gradient row by row [1/s] of the melt at its centre.
+        angle : float
+            The fiber's angle from the x axis [rad].
+        guess : (3,) array
+            Trial velocity [m/s] and spin [1/s] to start from: the last step's.
+
+        Raises
+        ------
+        ConvergenceError
+            If force and torque do not vanish.
+        """
+
+    def surface_pressure(self, unknowns: Array) -> Array:
+        """Return the pressure at the surface points over the viscosity of `follow_newton`, (m,)."""
+
+
 class NewtonSolver:
     """Force- and torque-free velocity of the fiber in its cell for a given far field.
 
@@ -48,6 +90,7 @@ class NewtonSolver:
 
     def __init__(self, system: CellSystem) -> None:
         self.system = system
+        self.aspect_ratio, self.surface = system.response.aspect_ratio, system.response.surface
         free, edge, fiber = system.free, system.edge, system.fiber
         rows = system.matrix[free]
         self._free_edge, self._free_fiber = rows[:, edge], rows[:, fiber]
@@ -104,48 +147,27 @@ class NewtonSolver:
         )
         raise ConvergenceError(msg)
 
+    @property
+    def unknowns(self) -> int:
+        """Return the number of unknowns of a solve."""
+        return int(self.system.free.size)
+
+    def motion(self, half_length: float, melt: Array, angle: float, guess: Array) -> Rates:
+        """Return how the fiber moves in the axes of the flow, from a solve in its own (Eq. 16, 17).
+
+        As `FreeFiber.motion` says.
+        """
+        c, s = np.cos(angle), np.sin(angle)
+        to_local = np.array([[c, s], [-s, c]])
+        gradient = to_local @ melt[2:].reshape(2, 2) @ to_local.T
+        far_field = np.concatenate([np.zeros(2), gradient.ravel()])
+        trial = np.array([*(to_local @ (guess[:2] - melt[:2]) / half_length), guess[2]])
+        local, unknowns = self.solve(far_field, trial)
+        velocity = melt[:2] + half_length * (to_local.T @ local[:2])
+        return np.array([*velocity, local[2]]), unknowns
+
     def surface_pressure(self, unknowns: Array) -> Array:
         """Return the pressure at the surface points over ``mu``, level as the system's [1/s]."""
         level = float(self.system.pressure_level @ unknowns)
         pressure: Array = self.system.surface_pressure @ unknowns - level
         return pressure
-
-
-def free_motion(
-    solver: NewtonSolver, half_length: float, melt: Array, angle: float, guess: Array
-) -> Rates:
-    """Return how a free fiber moves in the axes of the flow, from a solve in its own (Eq. 16, 17).
-
-    Parameters
-    ----------
-    solver : NewtonSolver
-        The cell's.
-    half_length : float
-        ``a`` [m]: it scales the fiber's velocity relative to the melt.
-    melt : (6,) array
-        Velocity [m/s] and velocity gradient row by row [1/s] of the melt at the fiber's centre.
-    angle : float
-        The fiber's angle from the x axis [rad].
-    guess : (3,) array
-        Trial velocity [m/s] and spin [1/s] to start from: the last step's.
-
-    Returns
-    -------
-    rates : (3,) array
-        Velocity [m/s] and spin [1/s].
-    unknowns : (N,) array
-        The flow in the cell, for `NewtonSolver.surface_pressure`.
-
-    Raises
-    ------
-    ConvergenceError
-        If force and torque do not vanish.
-    """
-    c, s = np.cos(angle), np.sin(angle)
-    to_local = np.array([[c, s], [-s, c]])
-    gradient = to_local @ melt[2:].reshape(2, 2) @ to_local.T
-    far_field = np.concatenate([np.zeros(2), gradient.ravel()])
-    trial = np.array([*(to_local @ (guess[:2] - melt[:2]) / half_length), guess[2]])
-    local, unknowns = solver.solve(far_field, trial)
-    velocity = melt[:2] + half_length * (to_local.T @ local[:2])
-    return np.array([*velocity, local[2]]), unknowns

@@ -21,12 +21,12 @@ from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.motion import checked_angles
-from fibermelt.fiber.newton import NewtonSolver, Rates, free_motion
+from fibermelt.fiber.newton import FreeFiber, NewtonSolver, Rates
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
 
-__all__ = ["NewtonMotion", "follow_newton", "refuse_another_fiber", "runge_kutta_step"]
+__all__ = ["NewtonMotion", "follow_newton", "runge_kutta_step"]
 
 Array = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ class NewtonMotion(Unchanging):
 
 
 def follow_newton(
-    system: CellSystem,
+    system: CellSystem | FreeFiber,
     fiber: Ellipse,
     history: FlowHistory,
     viscosity: float,
@@ -121,14 +121,14 @@ def follow_newton(
 
     Parameters
     ----------
-    system : CellSystem
-        The cell of `build_system`.
+    system : CellSystem or FreeFiber
+        The cell of `build_system`; of a melt that thins, `fibermelt.fiber.cell.ThinningFiber`.
     fiber : Ellipse
         The fiber that it was built for (its half-length scales the translation).
     history : FlowHistory
         The path; each of its intervals is one Runge-Kutta step, so its points set the accuracy.
     viscosity : float
-        ``mu`` [Pa s].
+        ``mu`` [Pa s]; of a melt that thins the unit of its law's stresses, 1.
     initial_angles : float or (n_angles,) array
         Angles from the x axis at the start [rad]; each takes the whole cost again, four to eight
         linear solves a step.
@@ -141,11 +141,11 @@ def follow_newton(
     ConvergenceError
         If a force balance fails.
     """
-    refuse_another_fiber(system, fiber)
+    solver = NewtonSolver(system) if isinstance(system, CellSystem) else system
+    _refuse_another_fiber(solver.aspect_ratio, fiber)
     refuse_other("history", history, FlowHistory)
     viscosity = checked_positive("melt.viscosity", viscosity, "Pa s", "817")
     angles = checked_angles(np.atleast_1d(real_array("initial_angles", initial_angles)))
-    solver = NewtonSolver(system)
     runs = [_follow_one(solver, fiber, history, float(angle)) for angle in angles]
     states, rates, pressures = (np.stack(parts) for parts in zip(*runs, strict=True))
     return NewtonMotion(
@@ -155,7 +155,7 @@ def follow_newton(
         spin=rates[..., 2],
         position=states[..., :2],
         velocity=rates[..., :2],
-        surface=system.response.surface,
+        surface=solver.surface,
         surface_pressure=viscosity * pressures,
         iterations=solver.iterations,
         solves=solver.solves,
@@ -164,7 +164,7 @@ def follow_newton(
 
 
 def _follow_one(
-    solver: NewtonSolver, fiber: Ellipse, history: FlowHistory, angle: float
+    solver: FreeFiber, fiber: Ellipse, history: FlowHistory, angle: float
 ) -> tuple[Array, Array, Array]:
     """Return position and angle, their rates, and the surface pressure over mu at every step."""
     n = len(history)
@@ -174,7 +174,7 @@ def _follow_one(
 
     def rate(interval: int, fraction: float, at: Array, guess: Array) -> Rates:
         values = melt((interval,), fraction)
-        return free_motion(solver, fiber.half_length, values, float(at[2]), guess)
+        return solver.motion(fiber.half_length, values, float(at[2]), guess)
 
     state = np.array([*history.position[0], angle])
     guess = np.array([*history.velocity[0], 0.0])
@@ -211,11 +211,11 @@ def runge_kutta_step(
     return new
 
 
-def refuse_another_fiber(system: CellSystem, fiber: Ellipse) -> None:
+def _refuse_another_fiber(aspect_ratio: float, fiber: Ellipse) -> None:
     """Refuse a fiber that the cell was not built for (`ConfigError`)."""
-    if fiber.aspect_ratio != system.response.aspect_ratio:
+    if fiber.aspect_ratio != aspect_ratio:
         msg = (
             f"fiber.aspect_ratio = {fiber.aspect_ratio:g}, but the cell was built for "
-            f"{system.response.aspect_ratio:g}: build the system again"
+            f"{aspect_ratio:g}: build the system again"
         )
         raise ConfigError(msg)

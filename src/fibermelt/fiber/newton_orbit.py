@@ -12,7 +12,7 @@ from fibermelt.errors import ConvergenceError, refuse_no_count
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
-from fibermelt.fiber.newton import NewtonSolver, Rates, free_motion
+from fibermelt.fiber.newton import NewtonSolver, Rates
 from fibermelt.fiber.newton_motion import runge_kutta_step
 from fibermelt.fiber.orbit import Orbit, checked_shear
 
@@ -40,7 +40,7 @@ class _Shear:
     def rate(self, fraction: float, state: Array, guess: Array) -> Rates:
         """Return velocity over ``a`` and spin, and the flow; the same at any ``fraction``."""
         del fraction  # the flow is steady
-        return free_motion(self.solver, 1.0, self.melt, float(state[2]), guess)
+        return self.solver.motion(1.0, self.melt, float(state[2]), guess)
 
     def spin(self, angle: float) -> float:
         """Return the spin at an angle [1/s]."""

@@ -197,11 +197,16 @@ def cell_words(results: xr.Dataset) -> Words:
         if aspect > 1
         else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
     )
+    newtonian = (
+        " All of a Newtonian melt; the pressures of the bead are of the melt as it thins."
+        if "thinning_rate" in results
+        else ""
+    )
     return Words(
         caption=(
             f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
             f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
-            "melt's own pressure."
+            f"melt's own pressure.{newtonian}"
         ),
         alt=(
             f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "

@@ -80,12 +80,38 @@ def _fiber(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
             ),
             "viscosity × shear rate",
         ),
+        *_in_its_melt(cell),
         (
             "Unknowns of the cell",
             number(cell["unknowns"]) if cell["unknowns"] else "closed form",
             "",
         ),
     ]
+
+
+def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Return what a fiber answers in a melt that thins; what is beside it is of a Newtonian one."""
+    if "thinning" not in cell:
+        return []
+    known = cell["thinning"]
+    ends = [
+        "at any rate" if known["rates"][0] == known["rates"][1] else f"{side} {number(rate, 2)} 1/s"
+        for side, rate in zip(("up to", "from"), known["rates"], strict=True)
+    ]
+    rows = []
+    error = known["error_estimate"]
+    for end, factor, largest in zip(
+        ends, known["shape_factors"], known["largest_pressures"], strict=True
+    ):
+        rows += [
+            (f"As the melt thins, {end}: shape factor", measured(factor, error["spin"]), ""),
+            (
+                f"As the melt thins, {end}: largest surface pressure in simple shear",
+                measured(largest, largest * error["pressure"]),
+                "viscosity there × shear rate",
+            ),
+        ]
+    return rows[:2] if len(set(ends)) == 1 else rows
 
 
 def _estimated(value: float, error: float | None) -> str:

@@ -61,6 +61,9 @@ ROOM = (0.05, 0.14)
 MARKS = ("o", "v")
 """Marks of the extremes at Loc. 1 and Loc. 2."""
 
+AROUND = 78.0
+"""Height of the panels of a fiber's surroundings [mm]."""
+
 ARROWS = 11
 """Arrows across the surroundings."""
 
@@ -87,23 +90,29 @@ def _first_lowest(results: xr.Dataset) -> Instant:
     when = results["extreme_time"].isel(streamline=row, initial_angle=fiber, location=0)
     time = results["time"].to_numpy()[row]
     point = int(np.argmin(np.abs(time - float(when.sel(kind="min")))))
-    study = study_of(results)
-    length, viscosity = study["fiber"]["half_length"], study["melt"]["viscosity"]
-    return read_instant(results, row, fiber, point, length, viscosity)
+    return read_instant(results, row, fiber, point, study_of(results)["fiber"]["half_length"])
+
+
+def _is_superposed(results: xr.Dataset) -> bool:
+    """Tell whether the flow around a fiber is stored: in a melt that thins by its law it is not."""
+    return "thinning_rate" not in results
 
 
 @styled
 def figure_history(results: xr.Dataset) -> Figure:
     """Draw one fiber's lowest and another's highest pressure over time, and the melt around one."""
-    figure = new_figure(FULL, 144)
+    around = AROUND if _is_superposed(results) else 0.0
+    figure = new_figure(FULL, 66 + around)
     for k, side in enumerate(STARTS):
-        axes = add_axes(figure, 14 + 94 * k, 88, 80, 45)
+        axes = add_axes(figure, 14 + 94 * k, 10 + around, 80, 45)
         _panel(axes, results, side)
         name = f"{'ab'[k]}  {side} pressure, initial angle {_degrees(results, side):g}°"
         letter(axes, name.replace("-", "−"), inside=True)
         if k == 0:
             axes.set_ylabel("above the atmosphere's [MPa]")
             key_above(axes, _key(), 1.12, columns=7, between=1.4)
+    if not around:
+        return figure
     instant = _first_lowest(results)
     for k, draw in enumerate((_speed, _pressure)):
         axes = scene_axes(figure, 14 + 91 * k, 10, 61, _around(results))
@@ -245,7 +254,7 @@ def _finish(axes: Axes, results: xr.Dataset, instant: Instant) -> None:
 
 def history_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_history`."""
-    feature, instant = center_feature(results), _first_lowest(results)
+    feature = center_feature(results)
     at = {
         side: results.isel(streamline=feature.row, initial_angle=_start(results, side))
         for side in STARTS
@@ -253,34 +262,47 @@ def history_words(results: xr.Dataset) -> Words:
     low, high = (
         at[side].sel(kind=SIDES[side][0])["extreme_pressure"].to_numpy() * MPA for side in STARTS
     )
-    speed, pressure = MM * instant.speed, MPA * instant.pressure
     beside = against_paper(
         results,
         "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
         f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
     )
-    steep = np.degrees(abs(instant.elevation))
-    plane = (
-        ""
-        if steep < 0.05
-        else f" The fiber stands {steep:.0f}° out of the plane; drawn is one in the plane."
-    )
+    around = _around_in_words(results) if _is_superposed(results) else Words("", "")
     return Words(
         caption=(
             f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
             f"that enters at {_degrees(results, 'lowest'):g}°, (b) highest on the one that enters "
             f"at {_degrees(results, 'highest'):g}°, with the melt's own pressure; "
             "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
-            f"(c, d) The melt around the fiber of (a) at {number(instant.time, 3)} s, lowest at "
-            "Loc. 1, in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 "
-            "(outlined arrows: velocity relative to its center; full arrow: where it goes), and "
-            f"pressure less the melt's own {number(MPA * instant.own, 3)} MPa.{plane} The quiet "
-            f"ends are left out.{beside}"
+            f"{around.caption}The quiet ends are left out.{beside}"
         ).replace(" -", " −"),
         alt=(
             f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "
             f"{number(low[1], 3)} MPa at Loc. 2, the highest on the other {number(high[0], 3)} and "
-            f"{number(high[1], 3)} MPa, all against the atmosphere's. Around the fiber the speed "
+            f"{number(high[1], 3)} MPa, all against the atmosphere's.{around.alt}"
+        ),
+    )
+
+
+def _around_in_words(results: xr.Dataset) -> Words:
+    """Return what caption and alternative text say of the panels around a fiber."""
+    instant = _first_lowest(results)
+    speed, pressure = MM * instant.speed, MPA * instant.pressure
+    steep = np.degrees(abs(instant.elevation))
+    plane = (
+        ""
+        if steep < 0.05
+        else f"The fiber stands {steep:.0f}° out of the plane; drawn is one in the plane. "
+    )
+    return Words(
+        caption=(
+            f"(c, d) The melt around the fiber of (a) at {number(instant.time, 3)} s, lowest at "
+            "Loc. 1, in the flow's directions: speed with the fiber's own as in the paper's Eq. 5 "
+            "(outlined arrows: velocity relative to its center; full arrow: where it goes), and "
+            f"pressure less the melt's own {number(MPA * instant.own, 3)} MPa. {plane}"
+        ),
+        alt=(
+            " Around the fiber the speed "
             f"lies between {ranged(speed.min(), speed.max(), between='and')} mm/s, and the "
             f"pressure differs from the melt's own by {number(pressure.min(), 3)} MPa at its tips "
             f"and {number(pressure.max(), 3)} MPa at its flanks."

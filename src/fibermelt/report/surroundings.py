@@ -125,9 +125,9 @@ class Instant:
 
 
 def read_instant(
-    results: xr.Dataset, row: int, fiber: int, point: int, half_length: float, viscosity: float
+    results: xr.Dataset, row: int, fiber: int, point: int, half_length: float
 ) -> Instant:
-    """Superpose the flow around a fiber.
+    """Superpose the flow around a fiber in a Newtonian melt of the streamline's viscosity.
 
     Parameters
     ----------
@@ -137,8 +137,6 @@ def read_instant(
         Places of the streamline, of the initial angle, and of the point of the streamline.
     half_length : float
         Of the fiber [m].
-    viscosity : float
-        Of the melt [Pa s].
     """
 
     def there(name: str) -> Array:
@@ -160,5 +158,5 @@ def read_instant(
         own=float(there("pressure")[point]),
         melt=np.array([there("u")[point], there("v")[point]]),
         around=half_length * local @ turn.T,
-        pressure=viscosity * results["cell_pressure"].to_numpy() @ strain,
+        pressure=float(there("viscosity")[point]) * results["cell_pressure"].to_numpy() @ strain,
     )

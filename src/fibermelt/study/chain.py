@@ -17,10 +17,11 @@ from fibermelt.study.bead.flow import (
     write_fields,
 )
 from fibermelt.study.bead.summary import bead_in_words, summarize_bead
+from fibermelt.study.bead.thinning import thinning_estimates, thinning_stage
 from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
 from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
-from fibermelt.study.melt import LAW
+from fibermelt.study.melt import LAW, thins_at_fibers
 from fibermelt.study.orientation.interaction import interaction_stage
 from fibermelt.study.orientation.stages import (
     content_stage,
@@ -59,20 +60,22 @@ if TYPE_CHECKING:
 
 __all__ = ["CHAIN"]
 
-_CELL_PARAMETERS = (
+_FIBER_PARAMETERS = (
     "fiber.half_length",
     "fiber.aspect_ratio",
     "fiber.model",
     "fiber.domain_size",
     "fiber.pressure_reference",
-    "numerics.cell_mesh",
-    "numerics.cell_order",
 )
+_CELL_PARAMETERS = (*_FIBER_PARAMETERS, "numerics.cell_mesh", "numerics.cell_order")
+_THINNING_PARAMETERS = (*_FIBER_PARAMETERS, LAW, "numerics.thinning_order")
 _STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
     LAW,
+    "fiber.melt",
     "fiber.path",
+    "numerics.thinning_order",
     "fiber.initial_angles",
     "fiber.directions",
     "fiber.direction_count",
@@ -94,6 +97,16 @@ _ORIENTATION_PARAMETERS = (*_CONTENT_PARAMETERS, "interaction.start")
 def _from_content(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return what feeds the cell: its size may follow from the fiber content."""
     return ("content",) if values["fiber.domain_size"] == FROM_CONTENT else ()
+
+
+def _in_the_melt(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return what feeds the fibers besides: their size, and their table in a melt that thins."""
+    return _from_content(values) + _thinning(values)
+
+
+def _thinning(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return the table of fibers in a melt that thins, where a study has one."""
+    return ("thinning",) if thins_at_fibers(values) else ()
 
 
 def _always(values: Mapping[str, Value]) -> bool:
@@ -140,12 +153,21 @@ CHAIN = Chain(
             estimates=cell_estimates,
         ),
         Stage(
+            "thinning",
+            1,
+            _THINNING_PARAMETERS,
+            (),
+            thinning_stage,
+            inputs_if=_from_content,
+            estimates=thinning_estimates,
+        ),
+        Stage(
             "motion",
             2,
             _MOTION_PARAMETERS,
             ("streamlines", "cell"),
             motion_stage,
-            inputs_if=_from_content,
+            inputs_if=_in_the_melt,
             light_if=_always,
         ),
         Stage(
@@ -158,7 +180,7 @@ CHAIN = Chain(
         ),
         Stage(
             "voids",
-            1,
+            2,
             VOID_PARAMETERS,
             ("streamlines", "cell", "motion"),
             voids_stage,
@@ -198,6 +220,6 @@ CHAIN = Chain(
         Part("verification", ("verification",), summarize_verification, verification_in_words),
         Part("claims", ("claims",), summarize_claims, claims_in_words),
     ),
-    version=4,
+    version=5,
 )
 """What `fibermelt run` goes through, as far as a study asks for it."""

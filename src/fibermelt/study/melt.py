@@ -6,7 +6,8 @@ same constants changes no result, and one with other constants is computed anew.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.material_values import CONSTANTS, Constants
@@ -14,6 +15,7 @@ from fibermelt.study.parameters import declarations, flatten
 from fibermelt.units import ZERO_CELSIUS
 
 if TYPE_CHECKING:
+    from fibermelt.fiber.pressure import LocalViscosity
     from fibermelt.melt import ViscosityLaw
     from fibermelt.melt.melt import Melt
     from fibermelt.study.config import Config
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from fibermelt.study.stages import Parameters
 
 __all__ = [
+    "CARD",
     "LAW",
     "SAME_TEMPERATURE",
     "law_of",
@@ -30,11 +33,20 @@ __all__ = [
     "newtonian_viscosity",
     "refuse_incomplete",
     "refuse_unphysical",
+    "thins",
+    "thins_at_fibers",
     "values_of",
+    "viscosity_of",
 ]
 
 LAW = "law"
 """The table that stages declare for the law of viscosity: its name and its constants, in SI."""
+
+CARD = "card"
+"""The table that they declare for the material card of ``[melt]``: its key and its text."""
+
+NEWTONIAN = "newtonian"
+"""The name of the law that does not thin."""
 
 LARGEST_REYNOLDS = 0.01
 """Reynolds number up to which a flow creeps: inertia then changes stresses by about as much."""
@@ -57,17 +69,56 @@ def values_of(config: Config) -> dict[str, Value]:
     return {
         **flatten(config),
         **{f"{LAW}.{name}": law.get(name) for name in ("name", *Constants.model_fields)},
-        "card.key": card.key,
-        "card.text": card.text,
+        f"{CARD}.key": card.key,
+        f"{CARD}.text": card.text,
     }
 
 
-def law_of(parameters: Parameters) -> ViscosityLaw:
-    """Return the law of viscosity of a stage that declares `LAW`, at the melt's temperature."""
+def law_of(values: Mapping[str, Any]) -> ViscosityLaw:
+    """Return the law of viscosity at the melt's temperature.
+
+    Parameters
+    ----------
+    values : mapping
+        What stages can read, `LAW` among it: of a whole study, or of one stage.
+    """
     from fibermelt.melt import LAWS  # noqa: PLC0415  lazy: a run that is stored needs none
 
-    constants = {key: value for key, value in parameters.section(LAW).items() if value is not None}
+    said = {name: values[f"{LAW}.{name}"] for name in ("name", *Constants.model_fields)}
+    constants = {name: value for name, value in said.items() if value is not None}
     return LAWS[constants.pop("name")](**constants)
+
+
+def thins(values: Mapping[str, Any]) -> bool:
+    """Return whether the viscosity of a study's melt depends on the rate.
+
+    Parameters
+    ----------
+    values : mapping
+        As for `law_of`.
+    """
+    name = values[f"{LAW}.name"]
+    return name not in ("", NEWTONIAN) and not law_of(values).is_newtonian
+
+
+def thins_at_fibers(values: Mapping[str, Any]) -> bool:
+    """Return whether fibers disturb a melt that thins, and are not told to see it as Newtonian."""
+    return values["fiber.melt"] == "law" and thins(values)
+
+
+def viscosity_of(parameters: Parameters) -> float | ViscosityLaw | LocalViscosity:
+    """Return what pressures on fibers are taken from: ``mu`` [Pa s], the law, or its local value.
+
+    The law itself goes with a fiber's table of it; `fibermelt.fiber` refuses it without one.
+    """
+    law = law_of(parameters)
+    if law.is_newtonian:
+        return float(law.viscosity_at(1.0))
+    if parameters["fiber.melt"] == "law":
+        return law
+    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415  lazy, as above
+
+    return LocalViscosity(law)
 
 
 def newtonian_viscosity(parameters: Parameters) -> float:
@@ -76,14 +127,11 @@ def newtonian_viscosity(parameters: Parameters) -> float:
     Raises
     ------
     ConfigError
-        If the melt is not Newtonian.
+        If the melt is not Newtonian: a study that was read has been refused before.
     """
     law = law_of(parameters)
     if not law.is_newtonian:
-        msg = (
-            f'melt.law = "{parameters[f"{LAW}.name"]}": fibers are known in a Newtonian melt only: '
-            'say melt.law = "newtonian" and melt.viscosity, that of the rates which matter'
-        )
+        msg = f'melt.law = "{parameters[f"{LAW}.name"]}": must be "newtonian" here'
         raise ConfigError(msg)
     return float(law.viscosity_at(1.0))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import legible_path
-from fibermelt.study.parameters import flatten
+from fibermelt.study.melt import CARD, LAW, values_of
 from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
 from fibermelt.study.wrapping import WIDTH, unbroken, wrapped
@@ -86,7 +86,7 @@ class Chain:
 
         What has every table is a resolved copy or the defaults: nobody chose its tables.
         """
-        parts, values = study.config.study.parts, flatten(study.config)
+        parts, values = study.config.study.parts, values_of(study.config)
         tables = [] if set(study.own) >= set(type(study.config).model_fields) else study.own
         asked = ", ".join(f'"{name}"' for name in parts)
         lines = []
@@ -105,7 +105,8 @@ class Chain:
     def _tables(self, names: Collection[str], values: Mapping[str, Value]) -> set[str]:
         """Return the tables that the stages of some parts read."""
         stages = self.needed(names, values)
-        return {key.partition(".")[0] for stage in stages for key in stage.parameters}
+        read = {key.partition(".")[0] for stage in stages for key in stage.parameters}
+        return read | ({"melt"} if read & {LAW, CARD} else set())
 
 
 def in_words(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fibermelt.fiber.cell import build_system, solve_cell
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.jeffery import unbounded_ellipse
-from fibermelt.fiber.newton import NewtonSolver, free_motion
+from fibermelt.fiber.newton import NewtonSolver
 from fibermelt.fiber.paths import strain_polar
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.verify.ladder import Rung, below, order
@@ -96,7 +96,7 @@ def _newton_raphson() -> tuple[float, float]:
     for k, gradient in enumerate(gradients):
         angle = 0.5 * k
         melt = np.concatenate([[0.3, -1.1], gradient.ravel()])
-        rates, unknowns = free_motion(solver, FIBER.half_length, melt, angle, np.zeros(3))
+        rates, unknowns = solver.motion(FIBER.half_length, melt, angle, np.zeros(3))
         phase = double[k] - 2.0 * angle
         whirl = 0.5 * (gradient[1, 0] - gradient[0, 1])
         exact = whirl + response.shape_factor * size[k] * np.sin(phase)

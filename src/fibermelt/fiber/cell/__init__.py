@@ -10,8 +10,9 @@ This package is the only place of the fiber's side that loads the finite element
 (`fibermelt.fiber.cell_data`) does without them.
 """
 
+from fibermelt.fiber.cell.free import ThinningFiber
 from fibermelt.fiber.cell.solve import solve_cell
 from fibermelt.fiber.cell.system import build_system
 from fibermelt.fiber.cell.table import solve_thinning
 
-__all__ = ["build_system", "solve_cell", "solve_thinning"]
+__all__ = ["ThinningFiber", "build_system", "solve_cell", "solve_thinning"]

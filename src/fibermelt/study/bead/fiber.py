@@ -5,11 +5,12 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.study.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
-from fibermelt.study.melt import newtonian_viscosity
+from fibermelt.study.melt import law_of, viscosity_of
 from fibermelt.study.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -28,6 +29,7 @@ __all__ = [
     "motion_stage",
     "stored_model",
     "stored_path",
+    "thinning_numerics",
 ]
 
 MODELS_KEPT = 8
@@ -124,6 +126,16 @@ def _numerics(parameters: Parameters) -> CellNumerics:
     if parameters["numerics.cell_mesh"] == "paper":
         return CellNumerics(mesh="paper", pressure_reference=reference)
     return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
+
+
+def thinning_numerics(parameters: Parameters) -> CellNumerics:
+    """Return how the study's cell is solved in a melt that thins."""
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
+
+    return CellNumerics(
+        order=parameters["numerics.thinning_order"],
+        pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
+    )
 
 
 def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -> xr.Dataset:
@@ -223,6 +235,17 @@ def stored_path(lines: xr.Dataset) -> PathBundle:
     )
 
 
+def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
+    """Return the fiber's model, with its table of a melt that thins where the study has one."""
+    model = stored_model(inputs["cell"])
+    if "thinning" not in inputs:
+        return model
+    from fibermelt.fiber.thinning import ThinningResponse  # noqa: PLC0415  lazy: see the module
+
+    arrays = {str(name): one.to_numpy() for name, one in inputs["thinning"].variables.items()}
+    return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
+
+
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Follow the fibers along all streamlines, and find the pressure on their surfaces.
 
@@ -233,19 +256,20 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
-    path, model = stored_path(inputs["streamlines"]), stored_model(inputs["cell"])
-    viscosity, count = newtonian_viscosity(parameters), parameters["numerics.isotropic_angles"]
+    path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
+    viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
     middle = inputs["streamlines"]["middle_time"].to_numpy()
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
     if parameters["fiber.path"] == "newton":
-        size, numerics = domain_size(parameters, inputs), _numerics(parameters)
+        chosen = thinning_numerics if "thinning" in inputs else _numerics
+        size, numerics = domain_size(parameters, inputs), chosen(parameters)
         followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
     elif parameters["fiber.directions"] == "in-plane":
         followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
     else:
         followed = followed_in_space(parameters, path, model, middle, zone_time, say)
-    bounds = pressure_bounds(path, model.response, viscosity)
-    if model.spheroid is not None:
+    bounds = pressure_bounds(path, model.in_plane, viscosity)
+    if model.spheroid is not None and model.thinning is None:
         say(f"{count} directions of an isotropic start")
     isotropic = model.isotropic_pressure(
         path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.bead.newton import newton_motions
-from fibermelt.study.melt import newtonian_viscosity
+from fibermelt.study.melt import law_of, newtonian_viscosity, viscosity_of
 from fibermelt.study.stages import Parameters, Say
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ def followed_in_plane(
     angles = np.asarray(parameters["fiber.initial_angles"])
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(angles)} angles on {len(path)} streamlines")
-    motion = follow(path, model.response.shape_factor, angles, tolerance)
-    pressure = surface_pressure(path, model.response, newtonian_viscosity(parameters), motion)
+    motion = follow(path, model.turning, angles, tolerance)
+    pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
     return {
         "initial_angle": angles,
         "angle": motion.angle,
@@ -76,14 +76,19 @@ def followed_by_newton(
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.cell import build_system  # noqa: PLC0415
+    from fibermelt.fiber.cell import ThinningFiber, build_system  # noqa: PLC0415
+    from fibermelt.fiber.newton import FreeFiber, NewtonSolver  # noqa: PLC0415
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
-    system = build_system(fiber, size, numerics)
-    angles = np.asarray(parameters["fiber.initial_angles"])
-    viscosity = newtonian_viscosity(parameters)
-    motions = newton_motions(system, fiber, path.histories, viscosity, angles, say)
+    angles, law = np.asarray(parameters["fiber.initial_angles"]), law_of(parameters)
+    free: FreeFiber
+    if law.is_newtonian:
+        free = NewtonSolver(build_system(fiber, size, numerics))
+        viscosity = newtonian_viscosity(parameters)
+    else:
+        free, viscosity = ThinningFiber(fiber, size, law, numerics), 1.0
+    motions = newton_motions(free, fiber, path.histories, viscosity, angles, say)
     lines = zip(path.histories, motions, middle, zone_time, strict=True)
     found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
     return {"initial_angle": angles, **_stacked(found)}
@@ -119,7 +124,7 @@ def followed_in_space(
     found = []
     for one, middle_time, times in zip(path.histories, middle, zone_time, strict=True):
         motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
-        pressure = spatial_pressure(one, model.spheroid, newtonian_viscosity(parameters), motion)
+        pressure = spatial_pressure(one, model.spheroid, viscosity_of(parameters), motion)
         line = _on_line(one, motion, pressure, middle_time, times)
         found.append({**line, "elevation": motion.elevation})
     return {

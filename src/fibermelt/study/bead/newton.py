@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fibermelt.fiber.cell_data import CellSystem
+    from fibermelt.fiber.newton import FreeFiber
     from fibermelt.fiber.newton_motion import NewtonMotion
     from fibermelt.fiber.shape import Ellipse
     from fibermelt.history import FlowHistory
@@ -23,12 +23,12 @@ __all__ = ["SOLVES_PER_STEP", "newton_motions"]
 SOLVES_PER_STEP = 8
 """Linear solves of a Runge-Kutta step: four stages, each a trial and its correction (Eq. 13-22)."""
 
-SAMPLE = 3
-"""Solves timed for the first estimate, before any streamline is done."""
+SAMPLE_TURNS = (0.1, 0.2)
+"""Angles [rad] that are timed for the first estimate, before any streamline is done."""
 
 
 def newton_motions(
-    system: CellSystem,
+    free: FreeFiber,
     fiber: Ellipse,
     histories: Sequence[FlowHistory],
     viscosity: float,
@@ -40,14 +40,14 @@ def newton_motions(
 
     Parameters
     ----------
-    system : CellSystem
-        The fiber's cell.
+    free : FreeFiber
+        The fiber in its cell.
     fiber : Ellipse
         The fiber.
     histories : sequence of FlowHistory
         The streamlines; each interval of a streamline is one Runge-Kutta step.
     viscosity : float
-        ``mu`` [Pa s].
+        ``mu`` [Pa s], or 1 in a melt that thins.
     angles : (n_angles,) array
         Angles from the x axis at the inlet [rad].
     say : callable
@@ -64,27 +64,27 @@ def newton_motions(
     from fibermelt.fiber.newton_motion import follow_newton  # noqa: PLC0415  lazy, as the stages
 
     solves = SOLVES_PER_STEP * len(angles) * sum(len(one) for one in histories)
-    guess = solves * _seconds_per_solve(system, clock)
+    seconds = _seconds_per_solve(free, histories[0], clock)
     say(
         f"the paper's algorithm, {len(angles)} angles on {len(histories)} streamlines: up to "
-        f"{solves} solves of {system.free.size} unknowns, about {duration(guess)}; "
+        f"{solves} solves of {free.unknowns} unknowns, about {duration(solves * seconds)}; "
         'fiber.path = "superposition" takes seconds'
     )
     start = clock()
     for done, history in enumerate(histories, 1):
-        yield follow_newton(system, fiber, history, viscosity, angles)
+        yield follow_newton(free, fiber, history, viscosity, angles)
         left = (clock() - start) / done * (len(histories) - done)
         to_go = f", about {duration(left)} to go" if done < len(histories) else ""
         say(f"streamline {done} of {len(histories)} done{to_go}")
 
 
-def _seconds_per_solve(system: CellSystem, clock: Callable[[], float]) -> float:
-    """Return the time of one linear solve [s]; the first, which warms the caches, is not timed."""
+def _seconds_per_solve(free: FreeFiber, history: FlowHistory, clock: Callable[[], float]) -> float:
+    """Return the time of one linear solve [s]; the first ones, which warm caches, are not timed."""
     import numpy as np  # noqa: PLC0415  lazy: see the stages
 
-    load = np.ones(system.free.size)
-    system.solve(load)
-    start = clock()
-    for _ in range(SAMPLE):
-        system.solve(load)
-    return (clock() - start) / SAMPLE
+    melt, rest = np.array([*history.velocity[0], *history.gradient[0].ravel()]), np.zeros(3)
+    free.motion(1.0, melt, 0.0, rest)
+    solves, start = free.solves, clock()
+    for turn in SAMPLE_TURNS:
+        free.motion(1.0, melt, turn, rest)
+    return (clock() - start) / (free.solves - solves)

@@ -71,7 +71,8 @@ def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _cell(results: xr.Dataset) -> dict[str, Any]:
-    return {
+    known = {"thinning": _thinning(results)} if "thinning_rate" in results else {}
+    return known | {
         "aspect_ratio": float(results["aspect_ratio"]),
         "domain_size": or_none(results["domain_size"]),
         "shape_factor": float(results["shape_factor"]),
@@ -82,6 +83,34 @@ def _cell(results: xr.Dataset) -> dict[str, Any]:
             "tip_pressure": float(results["tip_pressure_error"]),
         },
         "unknowns": int(results["cell_unknowns"]),
+    }
+
+
+def _thinning(results: xr.Dataset) -> dict[str, Any]:
+    """Return how the fiber answers in its melt at the lowest and the highest rate of its table.
+
+    At one of any rate both are the same. The shape factor is that of a turn in simple shear, from
+    the spins along and across the flow.
+    """
+    import numpy as np  # noqa: PLC0415  as in _extremes
+
+    rate = results["thinning_rate"].to_numpy()
+    spin = results["thinning_spin"].transpose("thinning_rate", ...).to_numpy()
+    factor = spin @ (-1.0) ** np.arange(spin.shape[1])
+    low, high = (
+        results[f"thinning_{side}"].transpose("thinning_rate", ...).to_numpy()
+        for side in ("lowest", "highest")
+    )
+    largest = 0.5 * np.maximum(-low.min(axis=1), high.max(axis=1))
+    ends = [0, -1]
+    return {
+        "rates": rate[ends].tolist(),
+        "shape_factors": factor[ends].tolist(),
+        "largest_pressures": largest[ends].tolist(),
+        "error_estimate": {
+            "spin": float(results["thinning_spin_error"]),
+            "pressure": float(results["thinning_pressure_error"]),
+        },
     }
 
 
@@ -156,6 +185,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         f"inlet pressure  {rounded(inlet, inlet)} MPa",
         f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
+        *_in_its_melt(cell),
     ]
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
     for location, place in ((1, "in the nozzle"), (2, "below it      ")):
@@ -175,6 +205,24 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
             f"streamline {worst['streamline']}"
         )
     return lines + _left_out(flagged, of=len(summary["streamlines"]))
+
+
+def _in_its_melt(cell: Mapping[str, Any]) -> list[str]:
+    """Return the line on a fiber in a melt that thins: the one before is of a Newtonian melt."""
+    if "thinning" not in cell:
+        return []
+    known, tip = cell["thinning"], cell["tip_pressure"]
+    told = [
+        f"B = {factor:.4f} and {largest / tip:.3f} of the pressure"
+        for factor, largest in zip(known["shape_factors"], known["largest_pressures"], strict=True)
+    ]
+    if len(set(told)) == 1:
+        return [f"                as the melt thins {told[0]}"]
+    slow, fast = known["rates"]
+    return [
+        f"                as the melt thins {told[0]} up to {slow:.2g} 1/s, {told[1]} "
+        f"from {fast:.2g} 1/s"
+    ]
 
 
 def _left_out(flagged: Sequence[int], of: int) -> list[str]:

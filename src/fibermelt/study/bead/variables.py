@@ -8,6 +8,7 @@ __all__ = ["BEAD_VARIABLES"]
 
 _PATH = "streamline point"
 _FIBER = "streamline initial_angle point"
+_TABLE = "thinning_rate thinning_phase"
 _EXTREME = "streamline initial_angle location kind"
 
 BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
@@ -86,6 +87,27 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "cell_edge": ("cell_line cell_place", "1", "nodes along the curved edges of the elements"),
     "cell_velocity": ("cell_node mode component", "1", "velocity of the basis solutions"),
     "cell_pressure": ("cell_node mode", "1", "pressure of the basis solutions"),
+    # The fiber in a melt that thins.
+    "thinning_aspect_ratio": ("", "1", "length over width of the fiber of the table"),
+    "thinning_rate": ("thinning_rate", "1/s", "rates of deformation of the far field"),
+    "thinning_spin": (
+        "thinning_rate thinning_term",
+        "1",
+        "spin over half the rate: terms in sin (2k + 1) phi, phi twice the angle to the stretch",
+    ),
+    "thinning_lowest": (_TABLE, "1", "lowest surface pressure over eta times half the rate"),
+    "thinning_highest": (_TABLE, "1", "highest surface pressure over eta times half the rate"),
+    "thinning_where_lowest": (_TABLE, "rad", "eccentric angle of the lowest pressure"),
+    "thinning_where_highest": (_TABLE, "rad", "eccentric angle of the highest pressure"),
+    "thinning_tip": (_TABLE, "1", "pressure at the tip over eta times half the rate"),
+    "thinning_surface": ("thinning_surface", "rad", "eccentric angles of the surface's points"),
+    "thinning_pressure": (
+        "thinning_rate thinning_direction thinning_surface",
+        "1",
+        "surface pressure over eta times half the rate, at the directions that were solved for",
+    ),
+    "thinning_spin_error": ("", "1", "estimated error of the spin over half the rate"),
+    "thinning_pressure_error": ("", "1", "estimated error of the extremes over the largest"),
     # The fibers along the streamlines.
     "angle": (_FIBER, "rad", "angle of the fiber from the x axis"),
     "elevation": (_FIBER, "rad", "angle of the fiber out of the plane of the flow"),

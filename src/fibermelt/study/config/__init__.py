@@ -14,7 +14,7 @@ from fibermelt.study.config.melt import Melt
 from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
 from fibermelt.study.config.sensitivity import Sensitivity
-from fibermelt.study.melt import refuse_incomplete, refuse_unphysical
+from fibermelt.study.melt import refuse_incomplete, refuse_unphysical, thins, values_of
 from fibermelt.study.parameters import Section
 from fibermelt.study.voids.config import Voids
 
@@ -36,6 +36,10 @@ __all__ = [
 
 WITHOUT_VISCOSITY = frozenset({"interaction", "verification", "claims"})
 """Parts that ask no viscosity of the melt."""
+
+
+NEWTONIAN_PARTS = ("orbits", "dimensions")
+"""Parts that compare fibers in a Newtonian melt, as the paper's section 2.3 does."""
 
 
 class Config(Section):
@@ -75,6 +79,45 @@ class Config(Section):
         from fibermelt.study.voids.melt import moist_melt  # noqa: PLC0415  lazy: NumPy
 
         moist_melt(self.melt.card, self.voids.moisture, self.melt.temperature)
+
+    @model_validator(mode="after")
+    def _thinned(self) -> Self:
+        """Refuse what has no answer in a melt that thins."""
+        if self.melt.missing or not thins(values_of(self)):
+            return self
+        melt = f'in a melt that thins, melt.law = "{self.melt.law}"'
+        known = [name for name in NEWTONIAN_PARTS if name in self.study.parts]
+        if known:
+            rest = ", ".join(f'"{name}"' for name in self.study.parts if name not in known)
+            named = " and ".join(f'"{name}"' for name in known)
+            msg = (
+                f"study.parts: {named} has no answer {melt}: say study.parts = [{rest}], or "
+                'melt.law = "newtonian" and melt.viscosity'
+            )
+            raise ValueError(msg)
+        fiber = self.fiber
+        local = 'fiber.melt = "local-viscosity", an approximation'
+        if fiber.melt == "local-viscosity":
+            if fiber.path == "newton":
+                msg = (
+                    f'fiber.path = "newton" with fiber.melt = "local-viscosity": has no answer '
+                    f'{melt}: take fiber.path = "superposition"'
+                )
+                raise ValueError(msg)
+            return self
+        if fiber.model == "spheroid":
+            msg = (
+                f'fiber.model = "spheroid": has no answer {melt}: take fiber.model = "ellipse" or '
+                f'"confined-ellipse", or {local}'
+            )
+            raise ValueError(msg)
+        if self.numerics.cell_mesh == "paper":
+            msg = (
+                f'numerics.cell_mesh = "paper": is too coarse for a fiber {melt}: take "graded", '
+                f"or {local}"
+            )
+            raise ValueError(msg)
+        return self
 
     @model_validator(mode="after")
     def _scales(self) -> Self:

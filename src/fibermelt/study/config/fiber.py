@@ -39,6 +39,12 @@ class Fiber(Section):
         "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
         source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
     )
+    melt: Literal["law", "local-viscosity"] = setting(
+        "law",
+        "How a melt that thins answers a fiber: by its law, the fiber's own disturbance thinned "
+        "too; or, an approximation, as a Newtonian melt of the viscosity that the flow has there.",
+        source="a Newtonian fiber at the local viscosity sees twice the pressure at n = 0.35",
+    )
     domain_size: float | Literal["from-content"] = quantity(
         4.0,
         "",

@@ -53,6 +53,9 @@ class Numerics(Section):
     cell_order: int = setting(
         7, 'Velocity order in the fiber\'s cell, with cell_mesh = "graded".', ge=2, le=13
     )
+    thinning_order: int = setting(
+        5, "Velocity order in the cells of a fiber in a melt that thins.", ge=3, le=9
+    )
     angle_tolerance: float = quantity(
         "1e-8 rad",
         "rad",

@@ -11,7 +11,7 @@ from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.finished import finished_results
 from fibermelt.study.loading import resolve
 from fibermelt.study.materials import Card, load_card
-from fibermelt.study.melt import SAME_TEMPERATURE, newtonian_viscosity, values_of
+from fibermelt.study.melt import SAME_TEMPERATURE, values_of, viscosity_of
 from fibermelt.study.stages import Parameters
 from fibermelt.study.variables import study_of
 from fibermelt.study.voids.melt import FROM_CARD, moist_melt
@@ -97,7 +97,7 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
         keys=ASKED,
     )
     fed = STAGES + with_orientation({"study.parts": study.study.parts})
-    viscosity = newtonian_viscosity(Parameters(values_of(study)))
+    viscosity = viscosity_of(Parameters(values_of(study)))
     found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
     answer = _summary(found, results)
     is_as_run = math.isclose(melt.temperature, table.temperature or 0.0, rel_tol=SAME_TEMPERATURE)

@@ -22,8 +22,9 @@ ROUNDING_DIGITS = 12
 def advice(found: Mapping[str, Any]) -> str:
     """Return what would keep the bead free of voids, in a sentence.
 
-    Stokes flow of a Newtonian melt has all pressures over the air's in proportion to the speeds:
-    by ``p_air / (p_air - P_L)`` of them the lowest absolute pressure ``P_L`` < 0 is zero.
+    The creeping flow of a power law has all pressures over the air's go with the speeds' ``n``-th
+    power, ``n`` = 1 of a Newtonian melt: by ``(p_air / (p_air - P_L))^(1/n)`` of them the lowest
+    absolute pressure ``P_L`` < 0 is zero. Other melts have no such share.
 
     Parameters
     ----------
@@ -40,10 +41,9 @@ def advice(found: Mapping[str, Any]) -> str:
         if found["moisture"] < critical:
             return f"Keep it this dry: {below}."
         return f"Dry the material: {below}."
-    slower = _percent(ATMOSPHERE / (ATMOSPHERE - lowest))
     tension = (
         "at fibers in their worst direction the melt is under tension, which no drying helps, "
-        f"until both speeds are below {slower} of these"
+        f"until both speeds are {_slower(lowest, found['speed_exponent'])}"
     )
     alone = found["by_basis"]["melt"]["critical_moisture"]
     if not alone or found["moisture"] < alone:
@@ -62,6 +62,14 @@ def _worst_fiber(found: Mapping[str, Any]) -> tuple[float | None, float]:
     told = [found, *(one for basis, one in found["by_basis"].items() if basis == "spheroid")]
     critical = [one["critical_moisture"] for one in told if one["critical_moisture"] is not None]
     return min(critical, default=None), min(float(one["lowest_pressure"]) for one in told)
+
+
+def _slower(lowest: float, exponent: float | None) -> str:
+    """Return how slow is slow enough for a lowest pressure [Pa, absolute] below zero."""
+    if exponent is None:
+        return "low enough: how low, runs at other speeds tell, as this melt follows no power"
+    share = (ATMOSPHERE / (ATMOSPHERE - lowest)) ** (1.0 / exponent)
+    return f"below {_percent(share)} of these"
 
 
 def _percent(share: float) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
-from fibermelt.study.melt import LAW, newtonian_viscosity
+from fibermelt.study.melt import CARD, LAW, viscosity_of
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fibermelt.fiber import SpheroidResponse
+    from fibermelt.fiber.pressure import Viscosity
     from fibermelt.study.parameters import Value
     from fibermelt.study.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
@@ -30,7 +31,7 @@ DECADE = 1.0
 """How far the threshold must be below the rate without a barrier, in decades: nearer, a melt so
 dry reaches it only where nothing holds it back, and no surface decides."""
 
-VOID_PARAMETERS = ("voids", "card", "melt.temperature", "melt.density", LAW)
+VOID_PARAMETERS = ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW)
 """What `voids_stage` reads."""
 
 
@@ -50,17 +51,17 @@ def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
     voids = parameters.section("voids")
     melt = moist_melt(
-        card_of(parameters["card.key"], parameters["card.text"]),
+        card_of(parameters[f"{CARD}.key"], parameters[f"{CARD}.text"]),
         voids["moisture"],
         parameters["melt.temperature"],
         voids["threshold_rate"],
         density=parameters["melt.density"],
     )
     say(f"{100 * melt.moisture:g} % moisture in {melt.card.name}")
-    return assess_bead(inputs, newtonian_viscosity(parameters), melt, voids["layers"])
+    return assess_bead(inputs, viscosity_of(parameters), melt, voids["layers"])
 
 
-def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) -> xr.Dataset:
+def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: int) -> xr.Dataset:
     """Return where in a bead voids can start.
 
     Parameters
@@ -68,8 +69,8 @@ def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) 
     inputs : mapping
         The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
         there are any; or for each of them the results that hold them all.
-    viscosity : float
-        Of the melt, for the spheroid [Pa s].
+    viscosity : float, ViscosityLaw or LocalViscosity
+        Of the melt, for spheroids [Pa s]; in one that thins, by its law, they have no answer.
     melt : MoistMelt
         The moist melt.
     layers : int
@@ -93,6 +94,7 @@ def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) 
     limit = _none(laws.critical_moisture(found.lowest_pressure, temperature))
     arrays: dict[str, Any] = {
         **_melt_variables(melt, vapor),
+        "void_speed_exponent": _speed_exponent(viscosity),
         "void_basis": basis,
         "void_margin_along": gauge + (ATMOSPHERE - vapor),
         "void_height": lines["y"].to_numpy()[:, -1],
@@ -112,38 +114,45 @@ def assess_bead(inputs: Inputs, viscosity: float, melt: MoistMelt, layers: int) 
     return labelled(arrays | bead_totals(arrays, regular))
 
 
-def _local_pressures(inputs: Inputs, viscosity: float) -> tuple[list[str], Array]:
+def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], Array]:
     """Return the labels and the lowest local pressure of each basis [Pa, gauge].
 
     The pressures have shape (streamline, basis, point).
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber import (  # noqa: PLC0415
-        Spheroid,
-        embed_planar,
-        unbounded_spheroid,
-    )
-
     lines, motion = inputs["streamlines"], inputs["motion"]
-    spheroid = unbounded_spheroid(Spheroid(1.0, float(inputs["cell"]["aspect_ratio"])))
-    in_space, _ = spheroid.bounds(embed_planar(lines["gradient"].to_numpy()))
+    own = lines["pressure"].to_numpy()
     quantiles = motion["quantile_lowest"].transpose("quantile", "streamline", "point").to_numpy()
     shares = motion["quantile"].to_numpy()
     order = np.argsort(-shares)
     below = {
-        "melt": np.zeros_like(in_space),
+        "melt": np.zeros_like(own),
         **{f"isotropic {100 * shares[k]:g} %": quantiles[k] for k in order},
         "fibers": motion["lowest"].min("initial_angle").to_numpy(),
         "bounds": motion["bound_lowest"].to_numpy(),
-        "spheroid": viscosity * in_space,
+        **_spheroids(inputs, viscosity),
     }
+    return list(below), own[:, None, :] + np.stack(list(below.values()), axis=1)
+
+
+def _spheroids(inputs: Inputs, viscosity: Viscosity) -> dict[str, Array]:
+    """Return the lowest pressure on spheroids by basis, (streamline, point) [Pa, relative]."""
+    from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid  # noqa: PLC0415
+    from fibermelt.fiber.paths import strain_polar  # noqa: PLC0415
+    from fibermelt.fiber.pressure import newtonian_viscosity  # noqa: PLC0415
+    from fibermelt.melt import ViscosityLaw  # noqa: PLC0415
+
+    if isinstance(viscosity, ViscosityLaw):
+        return {}
+    gradient = inputs["streamlines"]["gradient"].to_numpy()
+    spheroid = unbounded_spheroid(Spheroid(1.0, float(inputs["cell"]["aspect_ratio"])))
+    scale = newtonian_viscosity(viscosity, strain_polar(gradient)[0])
+    found = {"spheroid": scale * spheroid.bounds(embed_planar(gradient))[0]}
     if "orientation" in inputs:
         tensor = inputs["orientation"]["orientation"].to_numpy()
-        gradient = lines["gradient"].to_numpy()
-        below[ORIENTED] = viscosity * _mean_at_tips(spheroid, gradient, tensor)
-    own = lines["pressure"].to_numpy()[:, None, :]
-    return list(below), own + np.stack(list(below.values()), axis=1)
+        found[ORIENTED] = scale * _mean_at_tips(spheroid, gradient, tensor)
+    return found
 
 
 def _mean_at_tips(spheroid: SpheroidResponse, gradient: Array, tensor: Array) -> Array:
@@ -230,6 +239,19 @@ def _onset(melt: MoistMelt, found: Assessment) -> dict[str, Any]:
             onset["void_required_wetting"] = nucleation.required_wetting_factor(*told)
             onset["void_required_angle"] = nucleation.required_contact_angle(*told)
     return onset
+
+
+def _speed_exponent(viscosity: Viscosity) -> float:
+    """Return the power of both speeds that all stresses go with: of a power law, its index."""
+    from math import nan  # noqa: PLC0415
+
+    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415  lazy: see the module
+    from fibermelt.melt import PowerLaw  # noqa: PLC0415
+
+    law = viscosity.law if isinstance(viscosity, LocalViscosity) else viscosity
+    if isinstance(law, float):
+        return 1.0
+    return law.index if isinstance(law, PowerLaw) else nan
 
 
 def _at_lowest(values: Array, found: Assessment) -> Array:

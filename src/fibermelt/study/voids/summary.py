@@ -67,6 +67,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
             "saturation_moisture": float(results["void_saturation_moisture"]),
             "saturation_pressure": float(results["void_saturation_pressure"]),
             "vapor_pressure": float(results["void_vapor_pressure"]),
+            "speed_exponent": or_none(results["void_speed_exponent"]),
             "basis": BASIS,
             **regular[BASIS],
             "including_singular": everything[BASIS],
@@ -194,13 +195,14 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     def height(of: Mapping[str, Any]) -> str:
         return rounded(1e3 * of["height"], highest)
 
-    in_space = voids["by_basis"]["spheroid"]["lowest_pressure"]
     lines = [
         f"lowest local    {_mpa(worst['lowest_pressure'])} MPa absolute on a fiber in its "
         f"worst direction, on streamline {worst['index']}, which ends {height(worst)} "
         "mm up in the bead",
-        f"                {_mpa(in_space)} MPa on an unbounded spheroid in space",
     ]
+    if (in_space := voids["by_basis"].get("spheroid")) is not None:
+        lowest = _mpa(in_space["lowest_pressure"])
+        lines.append(f"                {lowest} MPa on an unbounded spheroid in space")
     if nucleation := _nucleation(voids, worst):
         lines.append(f"nucleation      {nucleation}")
     layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]

@@ -40,6 +40,11 @@ VOID_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "void_vapor_pressure": ("", "Pa", "absolute vapor pressure of the moisture"),
     "void_saturation_pressure": ("", "Pa", "absolute saturation pressure of water"),
     "void_threshold": ("", "1", "log10 of the rate [1/(m^3 s)] that counts as nucleation"),
+    "void_speed_exponent": (
+        "",
+        "1",
+        "power of both speeds that pressures above the air's go with; NaN if it is no power",
+    ),
     # Along the streamlines.
     "void_margin_along": (
         f"{_LINE} point",
