@@ -158,6 +158,7 @@ def _streamlines(count: int, points: int) -> dict[str, Any]:
         "v": -SPEED * ~turned,
         "pressure": 5e5 * np.clip(y / 12e-3, 0, 1) ** 2,
         "shear_rate": rate,
+        "viscosity": np.full_like(rate, 817.0),
         "gradient": gradient,
         "near_singularity": (np.minimum(fraction, 1 - fraction) < 0.05).astype(np.int8),
         "zone": np.arange(1, 4),

@@ -20,11 +20,40 @@ def orbit(
         str, typer.Option(metavar="RATE", help='Shear rate, in 1/s or with a unit: 1 or "1 1/s".')
     ],
     viscosity: Annotated[
-        str,
+        str | None,
         typer.Option(
-            metavar="MU", help='Viscosity of the melt, in Pa s or with a unit: 817 or "817 Pa s".'
+            metavar="MU",
+            help='Viscosity of the melt, in Pa s or with a unit: 817 or "817 Pa s"; of the laws of '
+            "Carreau and Cross at rest.",
         ),
-    ],
+    ] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Law of the viscosity: newtonian, the default, power-law, carreau or cross.",
+        ),
+    ] = None,
+    consistency: Annotated[
+        str | None, typer.Option(metavar="K", help="Of a power law, in Pa s^n.")
+    ] = None,
+    index: Annotated[
+        str | None, typer.Option(metavar="N", help="Of a law that thins: below 1.")
+    ] = None,
+    time_constant: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Of the law of Carreau, in s.")
+    ] = None,
+    transition: Annotated[
+        str | None,
+        typer.Option(metavar="A", help="Of the law of Carreau and Yasuda; 2 if not said."),
+    ] = None,
+    critical_stress: Annotated[
+        str | None, typer.Option(metavar="STRESS", help="Of Cross' law, in Pa.")
+    ] = None,
+    infinite_viscosity: Annotated[
+        str | None,
+        typer.Option(metavar="MU", help="Of Carreau and Cross at infinite rate; 0 if not said."),
+    ] = None,
     model: Annotated[
         str,
         typer.Option(
@@ -66,6 +95,7 @@ def orbit(
         from fibermelt.study.questions.orbit import (  # noqa: PLC0415  lazy, as in run
             OrbitStudy,
             orbit_in_words,
+            read_melt,
             read_quantity,
             run_orbit,
         )
@@ -74,7 +104,18 @@ def orbit(
             OrbitStudy(
                 aspect_ratio=read_quantity("--aspect-ratio", aspect_ratio, ""),
                 shear_rate=read_quantity("--shear-rate", shear_rate, "1/s"),
-                viscosity=read_quantity("--viscosity", viscosity, "Pa s"),
+                viscosity=read_melt(
+                    law,
+                    {
+                        "viscosity": viscosity,
+                        "consistency": consistency,
+                        "index": index,
+                        "time_constant": time_constant,
+                        "transition": transition,
+                        "critical_stress": critical_stress,
+                        "infinite_viscosity": infinite_viscosity,
+                    },
+                ),
                 model=model,
                 domain_size=_given("--domain-size", domain_size),
                 angle=read_quantity("--angle", angle, "rad", bare="deg"),

@@ -12,7 +12,7 @@ from fibermelt.errors import ConvergenceError, refuse_no_count
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.jeffery import jeffery_period
-from fibermelt.fiber.newton import NewtonSolver, Rates
+from fibermelt.fiber.newton import FreeFiber, NewtonSolver, Rates
 from fibermelt.fiber.newton_motion import runge_kutta_step
 from fibermelt.fiber.orbit import Orbit, checked_shear
 
@@ -33,8 +33,8 @@ ANGLE_TOLERANCE = 1e-12
 class _Shear:
     """The balanced fiber in the simple shear ``u_x = gamma_dot y``."""
 
-    def __init__(self, system: CellSystem, shear_rate: float) -> None:
-        self.solver = NewtonSolver(system)
+    def __init__(self, free: FreeFiber, shear_rate: float) -> None:
+        self.solver = free
         self.melt = np.array([0.0, 0.0, 0.0, shear_rate, 0.0, 0.0])
 
     def rate(self, fraction: float, state: Array, guess: Array) -> Rates:
@@ -48,7 +48,7 @@ class _Shear:
 
 
 def orbit_newton(
-    system: CellSystem,
+    system: CellSystem | FreeFiber,
     shear_rate: float,
     viscosity: float,
     angle: float = 0.0,
@@ -62,12 +62,12 @@ def orbit_newton(
 
     Parameters
     ----------
-    system : CellSystem
-        The cell of `build_system`.
+    system : CellSystem or FreeFiber
+        The cell of `build_system`; of a melt that thins, `fibermelt.fiber.cell.ThinningFiber`.
     shear_rate : float
         ``gamma_dot`` [1/s] of ``u_x = gamma_dot y``, positive.
     viscosity : float
-        ``mu`` [Pa s], positive.
+        ``mu`` [Pa s], positive; 1 in a melt that thins.
     angle : float
         Angle from the flow direction at the start [rad].
     steps : int
@@ -90,8 +90,9 @@ def orbit_newton(
     """
     shear_rate, viscosity, angle = checked_shear(shear_rate, viscosity, angle)
     refuse_no_count("steps", steps, FEWEST_STEPS, "with fewer an orbit's peaks are missed")
-    shear = _Shear(system, shear_rate)
-    unbounded = jeffery_period(system.response.aspect_ratio, shear_rate)
+    free = NewtonSolver(system) if isinstance(system, CellSystem) else system
+    shear = _Shear(free, shear_rate)
+    unbounded = jeffery_period(free.aspect_ratio, shear_rate)
     stall_angle = _stall_angle(shear)
     period = None
     if stall_angle is None:
@@ -106,13 +107,13 @@ def orbit_newton(
         shape_factor=(spins[0] - spins[1]) / shear_rate,
         stalls=stall_angle is not None,
         stall_angle=stall_angle,
-        **_extremes(system, angles, pressure),
+        **_extremes(free.surface, angles, pressure),
         steps=angles.size,
         solves=shear.solver.solves,
     )
 
 
-def _extremes(system: CellSystem, angles: Array, pressure: Array) -> dict[str, float]:
+def _extremes(surface: Array, angles: Array, pressure: Array) -> dict[str, float]:
     """Return the extremes of an `Orbit` by name, from angles (n,) and surface pressures (n, m)."""
     at, where = np.unravel_index(int(np.argmin(pressure)), pressure.shape)
     return {
@@ -121,7 +122,7 @@ def _extremes(system: CellSystem, angles: Array, pressure: Array) -> dict[str, f
         "tip_max": float(pressure[:, 0].max()),
         "tip_min": float(pressure[:, 0].min()),
         "angle_at_min": float(fold_angle(angles[at])),
-        "where_at_min": float(fold_angle(system.response.surface[where])),
+        "where_at_min": float(fold_angle(surface[where])),
     }
 
 

@@ -29,7 +29,7 @@ from scipy.interpolate import CubicSpline
 from fibermelt.errors import ConfigError
 from fibermelt.melt import PowerLaw, ViscosityLaw
 
-__all__ = ["SpinSeries", "ThinningResponse", "bending_rates"]
+__all__ = ["UNBOUNDED_SIZE", "SpinSeries", "ThinningResponse", "bending_rates"]
 
 Array = NDArray[np.float64]
 
@@ -48,6 +48,10 @@ SPREAD = (0.3, 15.0)
 """Rates that a fiber feels over the far field's: by the slow melt at its sides, and at its tip. A
 Carreau law (n = 0.35, r_e = 6, M = 4) is within 0.3 % of Newtonian below the one bound and within
 0.1 % of a power law above the other."""
+
+UNBOUNDED_SIZE = 40.0
+"""``M`` of the cell that stands for a melt without end: a Newtonian ellipse is within 0.4 % of its
+closed form there, and what a thinning melt feels of a fiber fades faster."""
 
 FLAT = 0.03
 """Change of a law's index that begins its bend."""
@@ -173,11 +177,11 @@ class ThinningResponse:
     def covered(self) -> tuple[float, float]:
         """Return the rates [1/s] between which the table answers; all where the law has no bend."""
         low, high = bending_rates(self.law)
+        if low == high:
+            return 0.0, np.inf
         return (
-            0.0 if self.rate[0] <= low * (1 + 1e-9) or self.rate.size == 1 else float(self.rate[0]),
-            np.inf
-            if self.rate[-1] >= high * (1 - 1e-9) or self.rate.size == 1
-            else float(self.rate[-1]),
+            0.0 if self.rate[0] <= low * (1 + 1e-9) else float(self.rate[0]),
+            np.inf if self.rate[-1] >= high * (1 - 1e-9) else float(self.rate[-1]),
         )
 
     def checked(self, rate: float | Array) -> Array:

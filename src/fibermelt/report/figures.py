@@ -17,6 +17,7 @@ from fibermelt.report.extremes import extremes_words, figure_extremes
 from fibermelt.report.fields import figure_gradients, figure_maps, gradients_words, maps_words
 from fibermelt.report.history import figure_history, history_words
 from fibermelt.report.interaction import INTERACTION_FIGURES
+from fibermelt.report.melt import figure_melt, melt_words
 from fibermelt.report.orientation import ORIENTATION_FIGURES
 from fibermelt.report.overview import figure_overview, overview_words
 from fibermelt.report.plates import Plate, draw_plates
@@ -34,6 +35,7 @@ __all__ = ["FIGURES", "draw_figures"]
 
 FIGURES = (
     Plate("overview", "The bead at a glance", figure_overview, overview_words),
+    Plate("melt", "The melt", figure_melt, melt_words, needs="law_rate"),
     Plate("domain", "Fluid domain and mesh", figure_domain, domain_words, paper="Fig. 2a"),
     Plate("streamlines", "Streamlines", figure_streamlines, streamlines_words, paper="Fig. 2b"),
     Plate(

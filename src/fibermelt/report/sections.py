@@ -64,7 +64,7 @@ SECTIONS = (
     Section(
         "flow",
         "The deposition flow",
-        figures=("domain", "streamlines", "along", "maps", "gradients"),
+        figures=("melt", "domain", "streamlines", "along", "maps", "gradients"),
     ),
     Section(
         "shear",

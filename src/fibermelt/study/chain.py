@@ -133,7 +133,7 @@ CHAIN = Chain(
         ),
         Stage(
             "streamlines",
-            2,
+            3,
             _STREAMLINE_PARAMETERS,
             ("flow",),
             streamlines_stage,

@@ -76,8 +76,8 @@ def solve_thinning(
         cells are solved once more, two orders higher, and the table is compared with one of half
         its points.
     rates : (2,) tuple of float, optional
-        Lowest and highest ``gamma_dot`` [1/s] that will be asked for; all if not given. A power law
-        has the same answer at every rate.
+        Lowest and highest ``gamma_dot`` [1/s] that will be asked for, or one rate twice; all if not
+        given. A power law has the same answer at every rate.
     phases : int
         Directions in a quarter turn, odd, at least 5.
     workers : int, optional
@@ -115,9 +115,11 @@ def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array,
             return np.ones(1), PowerLaw(law.consistency, law.index, PLATEAU)
         return np.ones(1), law
     if rates is not None:
-        if not 0 < rates[0] < rates[1] < math.inf:
-            msg = f"rates = {rates} 1/s: must be positive and increase, e.g. (1, 1000)"
+        if not 0 < rates[0] <= rates[1] < math.inf:
+            msg = f"rates = {rates} 1/s: must be positive and not fall, e.g. (1, 1000)"
             raise ConfigError(msg)
+        if rates[0] == rates[1]:
+            return np.array(rates[:1]), law
         low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
     count = max(3, 2 * math.ceil(0.5 * RATES_PER_DECADE * math.log10(high / low)) + 1)
     return np.geomspace(low, high, count), law

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from fibermelt.study.melt import LAW, law_of
+from fibermelt.study.melt import LAW, law_of, thins
 from fibermelt.study.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -86,6 +86,9 @@ the corners and the lips neither has a bound (2e-3; 0.03)."""
 DRIFT_BOUND = 0.01
 """Largest drift of the stream function along a streamline, over the flux: a fifth of what flows
 between two of the paper's 22 (1e-5; 3e-3)."""
+
+LAW_RATES = (1e-6, 1e8, 281)
+"""Rates [1/s] between which a law is drawn, and how many."""
 
 FINER = "take shorter edges in numerics, such as lip_edge and contact_edge, or a higher flow_order"
 
@@ -274,8 +277,19 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "zone": np.arange(1, 4),
             "zone_time": stacked("zone_time"),
             "middle_time": stacked("middle_time"),
+            **_law_curve(parameters),
         }
     )
+
+
+def _law_curve(parameters: Parameters) -> dict[str, Any]:
+    """Return the viscosity of a melt that thins over its rates, to be drawn."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if not thins(parameters):
+        return {}
+    rate = np.geomspace(*LAW_RATES)
+    return {"law_rate": rate, "law_viscosity": law_of(parameters).viscosity_at(rate)}
 
 
 def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Estimate, ...]:

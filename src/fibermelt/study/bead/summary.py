@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.numerals import rounded
-from fibermelt.study.variables import or_none
+from fibermelt.study.variables import or_none, study_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["bead_in_words", "summarize_bead"]
+__all__ = ["bead_in_words", "outside", "summarize_bead"]
 
 FLOW_NUMBERS = (
     "bead_height",
@@ -45,10 +45,14 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
         angle to the streamline [rad], seen along z. A fiber in an unbounded melt has no
-        ``domain_size``, no unknowns and no error.
+        ``domain_size``, no unknowns and no error. Of the melt there are the lowest viscosity and
+        the highest rate of deformation on streamlines that pass no singular corner, and
+        ``outside_law``, the share of it at rates that its law was not measured at: of each
+        streamline's time, mean by flux; None where nobody says what was measured.
     """
     flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS}
     flow |= {name: int(results[name]) for name in FLOW_COUNTS}
+    flow |= _melt(results)
     return {
         "flow": flow,
         "streamlines": _streamlines(results),
@@ -56,6 +60,33 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         "extremes": _extremes(results),
         "orientation": _orientation(results),
     }
+
+
+def _melt(results: xr.Dataset) -> dict[str, float | None]:
+    """Return what the melt goes through."""
+    from fibermelt.study.loading import resolve  # noqa: PLC0415  lazy: the loader of studies
+    from fibermelt.study.melt import melt_of  # noqa: PLC0415
+
+    regular = results.isel(streamline=results["near_singularity"].to_numpy() == 0)
+    told = regular if regular.sizes["streamline"] else results
+    known = melt_of(resolve(study_of(results))).rates
+    return {
+        "lowest_viscosity": float(told["viscosity"].min()),
+        "highest_rate": float(told["shear_rate"].max()),
+        "outside_law": None if known is None else outside(results, *known),
+    }
+
+
+def outside(results: xr.Dataset, slowest: float, fastest: float) -> float:
+    """Return the share of the melt at rates beyond two [1/s], of time along, mean by flux."""
+    import numpy as np  # noqa: PLC0415  as in _extremes
+
+    time, rate = (
+        results[name].transpose("streamline", "point").to_numpy() for name in ("time", "shear_rate")
+    )
+    beyond = (rate < slowest) | (rate > fastest)
+    spent = np.diff(time, axis=-1) * 0.5 * (beyond[:, 1:].astype(float) + beyond[:, :-1])
+    return float(np.mean(spent.sum(axis=-1) / (time[:, -1] - time[:, 0])))
 
 
 def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:

@@ -24,10 +24,6 @@ SPIN_BOUND, PRESSURE_BOUND = 5e-3, 5e-3
 """Largest estimated errors of a table: of the spin over the strain's size, and of the pressure
 extremes over the largest pressure. Finer costs minutes, and no law of a melt is known so well."""
 
-UNBOUNDED_SIZE = 40.0
-"""``M`` of the cell that stands for a melt without end: a Newtonian ellipse is within 0.4 % of its
-closed form there, and what a thinning melt feels of a fiber fades faster."""
-
 
 def thinning_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Solve the fiber's cell in the study's melt, over rates and directions."""
@@ -56,6 +52,7 @@ def _ellipse(parameters: Parameters, inputs: Inputs) -> ThinningResponse:
     """Return the table of an ellipse in its cell, or in one so large that it is hardly felt."""
     from fibermelt.fiber.cell import solve_thinning  # noqa: PLC0415  lazy: the finite elements
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+    from fibermelt.fiber.thinning import UNBOUNDED_SIZE  # noqa: PLC0415
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     is_confined = parameters["fiber.model"] == "confined-ellipse"

@@ -70,6 +70,8 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "near_singularity": ("streamline", "1", "whether it passes close by a singular corner"),
     "zone_time": ("streamline zone", "s", "time at which the zone is reached"),
     "middle_time": ("streamline", "s", "time at the middle of the capillary"),
+    "law_rate": ("law_point", "1/s", "rates of deformation at which the melt's law is drawn"),
+    "law_viscosity": ("law_point", "Pa s", "viscosity of the melt at them"),
     # The fiber's cell.
     "fiber_model": ("", "1", "what answers for the fiber"),
     "aspect_ratio": ("", "1", "length over width of the fiber"),

@@ -6,18 +6,28 @@ What computes is imported when it is asked for, as in the stages.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config.sensitivity import Sensitivity
+from fibermelt.study.material_values import CONSTANTS, OPTIONAL, Constants
+from fibermelt.study.melt import NEWTONIAN
+from fibermelt.study.parameters import declarations
 
 if TYPE_CHECKING:
     from fibermelt.fiber.orbit import Orbit
+    from fibermelt.fiber.response import FiberResponse
+    from fibermelt.fiber.thinning import ThinningResponse
+    from fibermelt.melt import ViscosityLaw
 
-__all__ = ["PATHS", "OrbitStudy", "orbit_in_words", "read_quantity", "run_orbit"]
+__all__ = ["PATHS", "OrbitStudy", "orbit_in_words", "read_melt", "read_quantity", "run_orbit"]
+
+ORBIT_LAWS = tuple(name for name in CONSTANTS if name != "cross-wlf")
+"""Laws of a melt at one temperature."""
 
 PAPER_DOMAIN = 4.0
 """The paper's domain-size factor ``M`` [-], section 2.5."""
@@ -51,8 +61,8 @@ class OrbitStudy:
         ``r_e`` [-], at least one.
     shear_rate : float
         ``gamma_dot`` [1/s], positive.
-    viscosity : float
-        ``mu`` of the melt [Pa s], positive.
+    viscosity : float or ViscosityLaw
+        ``mu`` of the melt [Pa s], positive, or its law.
     model : str
         One of `fibermelt.fiber.models.MODELS`.
     domain_size : float, optional
@@ -66,7 +76,7 @@ class OrbitStudy:
 
     aspect_ratio: float
     shear_rate: float
-    viscosity: float
+    viscosity: float | ViscosityLaw
     model: str = "confined-ellipse"
     domain_size: float | None = None
     angle: float = 0.0
@@ -144,7 +154,8 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
             choices = " or ".join(f'"{choice}"' for choice in known)
             msg = f'{name} = "{value}": must be {choices}'
             raise ConfigError(msg)
-    checked_shear(study.shear_rate, study.viscosity, study.angle)
+    law = _law_of(study)
+    checked_shear(study.shear_rate, _newtonian(study), study.angle)
     newton = study.path == "newton"
     if newton and study.model != "confined-ellipse":
         msg = (
@@ -156,6 +167,12 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
         msg = (
             f'domain_size = {study.domain_size:g} with model = "{study.model}": that model has no '
             'cell, which a domain size could be of: drop it, or take model "confined-ellipse"'
+        )
+        raise ConfigError(msg)
+    if law and study.model == "spheroid":
+        msg = (
+            'model = "spheroid": has no answer in a melt that thins: take model "ellipse" or '
+            '"confined-ellipse", or a Newtonian melt'
         )
         raise ConfigError(msg)
     found, cell, turn = _newton(study) if newton else _superposition(study)
@@ -178,44 +195,117 @@ def _domain(study: OrbitStudy) -> float:
     return PAPER_DOMAIN if study.domain_size is None else study.domain_size
 
 
+def read_melt(law: str | None, said: Mapping[str, str | None]) -> float | ViscosityLaw:
+    """Return the melt that the command line says.
+
+    Parameters
+    ----------
+    law : str, optional
+        Name of its law; Newtonian if not given.
+    said : mapping
+        Constants by the names that the law has for them, as written; None for those that are not.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such law, or a constant is missing, another law's, or out of its range.
+    """
+    from fibermelt.melt import LAWS  # noqa: PLC0415  lazy: see the module
+
+    name = NEWTONIAN if law is None else law
+    if name not in ORBIT_LAWS:
+        known = ", ".join(f'"{one}"' for one in ORBIT_LAWS)
+        msg = f'--law "{name}": must be one of {known}'
+        raise ConfigError(msg)
+    units = {item.key: item.unit for item in declarations(Constants)}
+    given = {key: text for key, text in said.items() if text is not None}
+    options = {key: f"--{key.replace('_', '-')}" for key in said}
+    if wrong := [options[key] for key in given if key not in CONSTANTS[name]]:
+        has = ", ".join(options[key] for key in CONSTANTS[name] if key in options)
+        msg = f"{', '.join(wrong)}: no constant of the law {name}, which has {has}"
+        raise ConfigError(msg)
+    needed = [key for key in CONSTANTS[name] if key not in OPTIONAL and key not in given]
+    if needed:
+        msg = f"{', '.join(options[key] for key in needed)}: missing: the law {name} needs it"
+        raise ConfigError(msg)
+    values = {key: read_quantity(options[key], text, units[key]) for key, text in given.items()}
+    if name == NEWTONIAN:
+        return values["viscosity"]
+    try:
+        return LAWS[name](**values)
+    except ConfigError as error:
+        msg = re.sub(r"melt\.(\w+)", lambda found: options.get(found[1], found[0]), str(error))
+        raise ConfigError(msg) from None
+
+
+def _law_of(study: OrbitStudy) -> ViscosityLaw | None:
+    """Return the law of a melt that thins, None of a Newtonian one."""
+    melt = study.viscosity
+    return None if isinstance(melt, float | int) or melt.is_newtonian else melt
+
+
+def _newtonian(study: OrbitStudy) -> float:
+    """Return the viscosity [Pa s] of a Newtonian melt; 1 of another, whose law has its units."""
+    melt = study.viscosity
+    if isinstance(melt, float | int):
+        return float(melt)
+    return float(melt.viscosity_at(1.0)) if melt.is_newtonian else 1.0
+
+
 def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
     """Return the orbit from the fiber's response, and the seconds that both took."""
-    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
     from fibermelt.fiber.orbit import orbit  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
-    fiber = Ellipse(1.0, study.aspect_ratio)
-    if study.model == "confined-ellipse":
-        from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  a second's import
-        from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
-
-        start = perf_counter()
-        numerics = CellNumerics(estimate=False)
-        model = confined_model(solve_cell(fiber, _domain(study), numerics).response)
-    else:
-        start = perf_counter()
-        model = unbounded_model("ellipse" if study.model == "ellipse" else "spheroid", fiber)
+    start = perf_counter()
+    response = _response(study)
     middle = perf_counter()
-    found = orbit(model.response, study.shear_rate, study.viscosity, study.angle)
+    found = orbit(response, study.shear_rate, study.viscosity, study.angle)
     return found, middle - start, perf_counter() - middle
+
+
+def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
+    """Return the fiber's answer: of its cell, of a melt without end, or of a melt that thins."""
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+
+    fiber, law = Ellipse(1.0, study.aspect_ratio), _law_of(study)
+    if law is None and study.model != "confined-ellipse":
+        return unbounded_model(
+            "ellipse" if study.model == "ellipse" else "spheroid", fiber
+        ).response
+    from fibermelt.fiber.cell import solve_cell, solve_thinning  # noqa: PLC0415  a second's import
+    from fibermelt.fiber.cell.table import THINNING_NUMERICS  # noqa: PLC0415
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
+    from fibermelt.fiber.thinning import UNBOUNDED_SIZE  # noqa: PLC0415
+
+    if law is None:
+        return solve_cell(fiber, _domain(study), CellNumerics(estimate=False)).response
+    size = _domain(study) if study.model == "confined-ellipse" else UNBOUNDED_SIZE
+    numerics = replace(THINNING_NUMERICS, estimate=False)
+    return solve_thinning(fiber, size, law, numerics, rates=(study.shear_rate, study.shear_rate))
 
 
 def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:
     """Return the orbit by the paper's algorithm, and the seconds of cell and orbit."""
-    from fibermelt.fiber.cell import build_system  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.cell import ThinningFiber, build_system  # noqa: PLC0415  lazy, as above
+    from fibermelt.fiber.newton import FreeFiber, NewtonSolver  # noqa: PLC0415
     from fibermelt.fiber.newton_orbit import orbit_newton  # noqa: PLC0415
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
-    start = perf_counter()
-    system = build_system(Ellipse(1.0, study.aspect_ratio), _domain(study))
+    free: FreeFiber
+    fiber, law, start = Ellipse(1.0, study.aspect_ratio), _law_of(study), perf_counter()
+    if law is None:
+        free = NewtonSolver(build_system(fiber, _domain(study)))
+    else:
+        free = ThinningFiber(fiber, _domain(study), law)
     middle = perf_counter()
-    found = orbit_newton(system, study.shear_rate, study.viscosity, study.angle)
+    found = orbit_newton(free, study.shear_rate, _newtonian(study), study.angle)
     return found, middle - start, perf_counter() - middle
 
 
 def orbit_in_words(answer: Mapping[str, Any]) -> str:
     """Return what `run_orbit` found as a few lines for a person."""
-    jeffery = f"{answer['period_jeffery']:.6g} s for the same fiber in an unbounded melt"
+    jeffery = f"{answer['period_jeffery']:.6g} s for the same fiber in an unbounded Newtonian melt"
     if answer["stalls"]:
         turning = f"none: it stalls at {math.degrees(answer['stall_angle']):.3f} deg ({jeffery})"
     else:
