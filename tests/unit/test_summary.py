@@ -28,6 +28,8 @@ def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
             **dict.fromkeys(("newton_steps", "unknowns", "elements"), 7),
             "streamline": [1],
             "time": [[0.0, 0.7]],
+            "shear_rate": [[1.0, 3.0]],
+            "viscosity": [[817.0, 817.0]],
             "stream_function_drift": [1e-6],
             "near_singularity": np.array([1], dtype=np.int8),
             **dict.fromkeys(("aspect_ratio", "domain_size", "shape_factor", "tip_pressure"), 2.0),

@@ -84,9 +84,9 @@ def law_of(values: Mapping[str, Any]) -> ViscosityLaw:
     """
     from fibermelt.melt import LAWS  # noqa: PLC0415  lazy: a run that is stored needs none
 
-    said = {name: values[f"{LAW}.{name}"] for name in ("name", *Constants.model_fields)}
+    said = {name: values.get(f"{LAW}.{name}") for name in Constants.model_fields}
     constants = {name: value for name, value in said.items() if value is not None}
-    return LAWS[constants.pop("name")](**constants)
+    return LAWS[values[f"{LAW}.name"]](**constants)
 
 
 def thins(values: Mapping[str, Any]) -> bool:
