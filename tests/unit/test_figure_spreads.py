@@ -217,13 +217,14 @@ def test_a_fiber_moves_as_a_rigid_body_in_the_flow_drawn_around_it(ratio: float)
             "cell_point": (("n", "component"), around.points),
             "cell_velocity": (("n", "mode", "component"), around.velocity),
             "cell_pressure": (("n", "mode"), around.pressure),
+            "viscosity": (("streamline", "point"), [[mu]]),
             **{
                 name: (("streamline", "point"), [[k + 1.0]])
                 for k, name in enumerate(("time", "pressure", "u", "v"))
             },
         }
     )
-    found = read_instant(results, 0, 0, 0, a, mu)
+    found = read_instant(results, 0, 0, 0, a)
     cos, sin = np.cos(angle), np.sin(angle)
     turn = np.array([[cos, -sin], [sin, cos]])
     D = turn.T @ (0.5 * (L + L.T)) @ turn

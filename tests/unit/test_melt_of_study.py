@@ -163,11 +163,50 @@ def test_stages_read_constants_and_no_card(tmp_path, shifted):
     assert found(study(material=shifted))["flow"] != before["flow"]
 
 
+THINS = {"law": "carreau", "viscosity": 5000.0, "index": 0.4, "time_constant": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("tables", "says"),
+    [
+        ({"study": {"parts": ["bead", "orbits"]}}, r'study\.parts: "orbits" .* \["bead"\]'),
+        ({"fiber": {"model": "spheroid"}}, r'fiber\.model = "spheroid": .* "ellipse"'),
+        ({"numerics": {"cell_mesh": "paper"}}, r'numerics\.cell_mesh = "paper": .* "graded"'),
+        (
+            {"fiber": {"melt": "local-viscosity", "path": "newton"}},
+            r'fiber\.path = "newton" with fiber\.melt = "local-viscosity"',
+        ),
+    ],
+)
+def test_what_has_no_answer_in_a_melt_that_thins(tables, says):
+    with pytest.raises(ConfigError, match=says):
+        resolve({"melt": THINS, **tables})
+    assert resolve({"melt": {**THINS, "index": 1.0}, **tables})
+
+
+def test_the_local_viscosity_is_told_where_it_matters():
+    local = {"fiber": {"melt": "local-viscosity"}}
+    (note,) = melt_notes(resolve({"melt": THINS, **local}))
+    assert note.startswith('fiber.melt = "local-viscosity"')
+    assert melt_notes(resolve(local)) == melt_notes(resolve({"melt": THINS})) == []
+
+
+def test_only_a_melt_that_thins_at_fibers_has_a_table():
+    def feeding(**tables):
+        values = values_of(resolve(tables))
+        return [stage.name for stage in CHAIN.needed(["bead"], values)]
+
+    assert "thinning" not in feeding()
+    assert "thinning" not in feeding(melt={**THINS, "index": 1.0})
+    assert "thinning" not in feeding(melt=THINS, fiber={"melt": "local-viscosity"})
+    assert "thinning" in feeding(melt=THINS)
+
+
 def test_a_law_is_read_at_the_melts_temperature(shifted):
     values = values_of(study(material=shifted, temperature="240 degC"))
     read = Parameters({key: value for key, value in values.items() if key.startswith("law.")})
     assert law_of(read) == CarreauYasuda(A_240 * 2000.0, 0.4, A_240 * 0.1)
-    with pytest.raises(ConfigError, match=r'^melt\.law = "carreau": fibers are known in a Newt'):
+    with pytest.raises(ConfigError, match=r'^melt\.law = "carreau": must be "newtonian" here'):
         newtonian_viscosity(read)
 
 
