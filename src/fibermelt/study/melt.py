@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fibermelt.study.stages import Parameters
 
 __all__ = [
+    "DERIVED",
     "LAW",
     "SAME_TEMPERATURE",
     "law_of",
@@ -35,6 +36,12 @@ __all__ = [
 
 LAW = "law"
 """The table that stages declare for the law of viscosity: its name and its constants, in SI."""
+
+CARD = "card"
+"""The same for what the card says: its key and its text."""
+
+DERIVED = {LAW: "melt", CARD: "melt"}
+"""Tables that no study has, as they follow from one, and from which."""
 
 LARGEST_REYNOLDS = 0.01
 """Reynolds number up to which a flow creeps: inertia then changes stresses by about as much."""
@@ -57,8 +64,8 @@ def values_of(config: Config) -> dict[str, Value]:
     return {
         **flatten(config),
         **{f"{LAW}.{name}": law.get(name) for name in ("name", *Constants.model_fields)},
-        "card.key": card.key,
-        "card.text": card.text,
+        f"{CARD}.key": card.key,
+        f"{CARD}.text": card.text,
     }
 
 
