@@ -8,6 +8,9 @@ from PIL import Image
 
 PHONE, TABLET, DESKTOP = (390, 740), (768, 1024), (1280, 900)
 
+LANDSCAPE = (1001, 657)
+"""What the margins leave of an A4 sheet on its side, in CSS pixels of 1/96 inch."""
+
 every_width = pytest.mark.parametrize(
     "size", [PHONE, TABLET, DESKTOP], ids=["phone", "tablet", "desktop"]
 )
@@ -84,3 +87,36 @@ def assert_figures_open_large(page: Any, size: tuple[int, int]) -> None:
     card.locator(".close").click()
     assert image.bounding_box()["width"] == before
     assert page.locator("h1").is_visible()
+
+
+BREAKS = """() => {
+  const all = selector => [...document.querySelectorAll(selector)];
+  const styled = one => getComputedStyle(one);
+  return [
+    ...all("h2, h3, caption, thead").filter(one => styled(one).breakAfter !== "avoid"),
+    ...all("figure, tr").filter(one => styled(one).breakInside !== "avoid"),
+    ...all("tbody tr:first-child, tbody tr:nth-child(2), tbody tr:last-child")
+      .filter(one => styled(one).breakBefore !== "avoid"),
+  ].map(one => `${one.tagName} of ${one.closest("[id]")?.id}`);
+}"""
+"""Heads that may stand alone at the foot of a printed page, figures and rows that may be cut, rows
+that may stand alone on one side of a break."""
+
+
+def assert_it_prints(page: Any) -> None:
+    """Assert that a figure and its caption fit a sheet on its side, and that no head stands alone.
+
+    A figure higher than the sheet leaves its heading on an empty page, and is cut on the next.
+    """
+    assert page.pdf()[:5] == b"%PDF-"
+    page.set_viewport_size({"width": LANDSCAPE[0], "height": LANDSCAPE[1]})
+    page.emulate_media(media="print")
+    heights = page.evaluate(
+        "[...document.querySelectorAll('figure')].map(one => one.getBoundingClientRect().height)"
+    )
+    assert max(heights) < LANDSCAPE[1]
+    assert page.evaluate(BREAKS) == []
+    # What is for a pointer, or for a program to read, is not on paper.
+    assert not page.locator("nav").is_visible()
+    assert not any(one.is_visible() for one in page.locator("pre").all())
+    assert page.locator("#sources li").first.is_visible()

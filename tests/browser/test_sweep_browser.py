@@ -11,6 +11,7 @@ from sizes import (
     assert_figures_have_the_colors_of_the_page,
     assert_figures_open_large,
     assert_it_fits,
+    assert_it_prints,
     every_scheme,
     every_width,
 )
@@ -95,8 +96,4 @@ def test_figures_have_the_colors_of_the_page(opened: Any, scheme: str) -> None:
 
 
 def test_it_prints(opened: Any) -> None:
-    page = opened(DESKTOP)
-    assert page.pdf()[:5] == b"%PDF-"
-    page.emulate_media(media="print")
-    assert not page.locator("nav").is_visible()
-    assert page.locator("#sources li").first.is_visible()
+    assert_it_prints(opened(DESKTOP))

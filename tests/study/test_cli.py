@@ -31,12 +31,17 @@ def test_validate(tmp_path):
     assert (resolved["flow.gap"], resolved["fiber.aspect_ratio"]) == (0.0035, 8.0)
 
 
-def test_a_table_without_effect_is_told(tmp_path):
+@pytest.mark.parametrize("command", ["validate", "plan"])
+def test_a_table_without_effect_is_told(tmp_path, command):
     study = tmp_path / "study.toml"
-    study.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[voids]\nmoisture = 0.001\n')
-    done = fibermelt("validate", study)
-    assert done.exit_code == 0
-    assert done.stderr.startswith("warning: [voids] is read by no part of this study")
+    study.write_text(
+        'preset = "paper"\nstudy.parts = ["bead"]\nvoids.moisture = 0.001\n'
+        '[sweep]\n"flow.gap" = ["3 mm", "4 mm"]\n'
+    )
+    done = fibermelt(command, study, "--json")
+    assert (done.exit_code, json.loads(done.stdout)["cases"]) == (0, 2)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("warning: [voids] is read by no part of this study")
 
 
 def test_defaults():

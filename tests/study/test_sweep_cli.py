@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import fake_sweeps
@@ -15,6 +16,8 @@ from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.parts import Part
+from fibermelt.study.stages import Stage
 
 SMALL = """preset = "paper"
 study.parts = ["bead"]
@@ -84,6 +87,21 @@ def test_the_exit_code_says_whether_every_case_is_done(tmp_path, gaps, code, how
     assert [done.exit_code for done in (begun, *told)] == [code] * 4
     assert (out / "sweep.nc").exists()
     assert (out / "report.html").exists()
+
+
+def test_a_sweep_tells_of_a_table_without_effect(tmp_path, monkeypatch):
+    chain = fake_sweeps.CHAIN
+    moist = Stage("voids", 1, ("voids.moisture",), (), fake_sweeps.flow)
+    asked = Part("voids", ("voids",), lambda results: {}, lambda summary: [])
+    both = replace(chain, stages=(*chain.stages, moist), parts=(*chain.parts, asked))
+    monkeypatch.setattr("fibermelt.study.chain.CHAIN", both)
+    study = fake_sweeps.study_file(
+        tmp_path, SMALL.replace("[sweep]", "voids.moisture = 1e-3\n[sweep]")
+    )
+    done = fibermelt("sweep", study, "--out", tmp_path / "out", "--workers", 0, "--json")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("warning: [voids] is read by no part of this study")
+    assert json.loads(done.stdout)["done"] == 3
 
 
 def test_the_exit_code_of_a_sweep_that_is_not_finished(tmp_path):

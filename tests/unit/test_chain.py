@@ -17,7 +17,7 @@ from fibermelt.study.claims.printed import printed_periods
 from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.config import PartName
 from fibermelt.study.files import canonical, digest
-from fibermelt.study.loading import load_study, resolve
+from fibermelt.study.loading import load_study, preset_names, resolve
 from fibermelt.study.melt import values_of
 from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
@@ -181,7 +181,30 @@ def test_a_table_that_no_part_reads_is_told(tmp_path):
     assert '"voids" reads it' in line
     path.write_text('preset = "paper"\n[voids]\nmoisture = "0.1 %"\n')
     assert CHAIN.unread(load_study(str(path))) == []
+    # Stages read the law that follows from it.
+    assert (
+        CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1 kPa s"])) == []
+    )
     assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
     assert CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1"])) == []
     path.write_text(defaults_toml())
     assert CHAIN.unread(load_study(str(path))) == []
+
+
+def test_a_table_that_varies_and_no_part_reads_is_told(tmp_path):
+    varied = load_study("paper", ['study.parts=["bead"]'], ["voids.moisture=0.1 %, 0.2 %"])
+    (line,) = CHAIN.unread(varied)
+    assert line.startswith("[voids] is read by no part of this study")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n'
+        '"flow.gap, voids.moisture" = [["3 mm", "0.1 %"], ["4 mm", "0.2 %"]]\n'
+    )
+    assert CHAIN.unread(load_study(str(path))) == [line]
+    path.write_text(f'{defaults_toml()}\n[sweep]\n"flow.gap" = [3e-3, 4e-3]\n')
+    assert CHAIN.unread(load_study(str(path))) == []
+
+
+@pytest.mark.parametrize("name", [name for name in preset_names() if load_study(name).sweep])
+def test_a_shipped_sweep_varies_what_is_read(name):
+    assert CHAIN.unread(load_study(name)) == []

@@ -5,10 +5,10 @@ from __future__ import annotations
 import errno
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +21,9 @@ from fibermelt.errors import (
     legible,
 )
 from fibermelt.study.progress import silence
+
+if TYPE_CHECKING:
+    from fibermelt.study.loading import Study
 
 __all__ = [
     "INCOMPLETE",
@@ -36,6 +39,7 @@ __all__ = [
     "complain",
     "given_folder",
     "named_folder",
+    "read_study",
     "results_folder",
     "say",
     "told",
@@ -101,6 +105,17 @@ ColdOption = Annotated[
     bool, typer.Option("--cold", help="Have no flow start from that of a neighbouring case.")
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
+
+
+def read_study(study: str, sets: Sequence[str] | None, over: Sequence[str] | None = None) -> Study:
+    """Return a study as a command names it; tell what of it is allowed, and hardly meant."""
+    from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
+    from fibermelt.study.loading import load_study  # noqa: PLC0415
+
+    resolved = load_study(study, sets or [], over or [])
+    for line in CHAIN.unread(resolved):
+        complain(f"warning: {line}")
+    return resolved
 
 
 def results_folder(out: str | None, name: str) -> Path:

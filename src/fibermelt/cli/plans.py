@@ -16,6 +16,7 @@ from fibermelt.cli.common import (
     SetOption,
     StudyArgument,
     columns,
+    read_study,
     results_folder,
     say,
     told,
@@ -53,13 +54,12 @@ def plan(
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
-        from fibermelt.study.loading import load_study  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
         from fibermelt.study.sweep.pools import cores, refuse_workers  # noqa: PLC0415
         from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
 
         refuse_workers(workers, None)
-        swept = load_study(study, sets or [], over or [])
+        swept = read_study(study, sets, over)
         folder = results_folder(out, swept.name)
         count = cores() if workers is None else max(workers, 1)
         listed = list_plan(read_sweep(swept, cold=cold), swept, CHAIN, folder, count)

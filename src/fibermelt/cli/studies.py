@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +18,7 @@ from fibermelt.cli.common import (
     StudyArgument,
     columns,
     complain,
+    read_study,
     results_folder,
     say,
     told,
@@ -49,19 +50,18 @@ def run(
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
-        from fibermelt.study.loading import load_study, replaces_another  # noqa: PLC0415
+        from fibermelt.study.loading import replaces_another  # noqa: PLC0415
         from fibermelt.study.parts import in_words  # noqa: PLC0415
         from fibermelt.study.progress import observing  # noqa: PLC0415
         from fibermelt.study.runner import run_study  # noqa: PLC0415
 
-        resolved = load_study(study, sets or [])
+        resolved = read_study(study, sets)
         if resolved.sweep is not None:
             msg = (
                 f"{legible(study, len(study))}: has a table [sweep], and so is many studies: use "
                 "fibermelt sweep, or fibermelt plan to see its cases"
             )
             raise ConfigError(msg)
-        _warn(CHAIN.unread(resolved))
         folder = results_folder(out, resolved.name)
         if out is None and sets and replaces_another(folder, resolved.config):
             complain(
@@ -112,15 +112,12 @@ def validate(
     parameters as resolved, in SI.
     """
     with told():
-        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.loading import load_study  # noqa: PLC0415
-        from fibermelt.study.notes import study_notes  # noqa: PLC0415
+        from fibermelt.study.notes import study_notes  # noqa: PLC0415  lazy, as in run
         from fibermelt.study.parameters import flatten  # noqa: PLC0415
         from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
         from fibermelt.study.wrapping import unbroken, wrapped  # noqa: PLC0415
 
-        resolved = load_study(study, sets or [], over or [])
-        _warn(CHAIN.unread(resolved))
+        resolved = read_study(study, sets, over)
         swept = None if resolved.sweep is None else read_sweep(resolved)
         # Drawn one by one: a case that is no valid study ends this with its reason.
         count = sum(1 for _ in swept.stream()) if swept else 1
@@ -133,12 +130,6 @@ def validate(
         lines = [f"{shown}: a valid {what} ({resolved.origin})"]
         lines += [f"note            {note}" for note in study_notes(resolved.config)]
         say(wrapped(lines, columns()))
-
-
-def _warn(lines: Iterable[str]) -> None:
-    """Tell what is allowed, and hardly meant, on standard error."""
-    for line in lines:
-        typer.echo(f"warning: {line}", err=True)
 
 
 def _counted(cases: int) -> str:

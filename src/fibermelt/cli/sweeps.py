@@ -24,6 +24,7 @@ from fibermelt.cli.common import (
     columns,
     complain,
     given_folder,
+    read_study,
     results_folder,
     say,
     told,
@@ -106,10 +107,9 @@ def sweep(
     """
 
     def read() -> tuple[Sweep, Study, Path]:
-        from fibermelt.study.loading import load_study  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
+        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415  lazy, as in _watching
 
-        swept = load_study(study, sets or [], over or [])
+        swept = read_study(study, sets, over)
         return read_sweep(swept, cold=cold), swept, results_folder(out, swept.name)
 
     _go(read, workers, scheduler, retry_failed, as_json)

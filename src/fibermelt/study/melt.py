@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CARD",
+    "DERIVED",
     "LAW",
     "SAME_TEMPERATURE",
     "law_of",
@@ -44,6 +45,9 @@ LAW = "law"
 
 CARD = "card"
 """The table that they declare for the material card of ``[melt]``: its key and its text."""
+
+DERIVED = {LAW: "melt", CARD: "melt"}
+"""Tables that no study has, as they follow from one, and from which."""
 
 NEWTONIAN = "newtonian"
 """The name of the law that does not thin."""

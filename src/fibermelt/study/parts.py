@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import legible_path
-from fibermelt.study.melt import CARD, LAW, values_of
+from fibermelt.study.melt import DERIVED, values_of
 from fibermelt.study.schema import REPORT
 from fibermelt.study.stages import Stage
 from fibermelt.study.wrapping import WIDTH, unbroken, wrapped
@@ -82,12 +82,16 @@ class Chain:
         return tuple(stage for stage in self.stages if stage.name in wanted)
 
     def unread(self, study: Study) -> list[str]:
-        """Return a line for each table that a study has and none of its parts reads.
+        """Return a line for each table that a study has, or varies, and none of its parts reads.
 
         What has every table is a resolved copy or the defaults: nobody chose its tables.
         """
         parts, values = study.config.study.parts, values_of(study.config)
-        tables = [] if set(study.own) >= set(type(study.config).model_fields) else study.own
+        is_copy = set(study.own) >= set(type(study.config).model_fields)
+        varied = [
+            key.partition(".")[0].strip() for name in study.sweep or () for key in name.split(",")
+        ]
+        tables = dict.fromkeys([*(() if is_copy else study.own), *varied])
         asked = ", ".join(f'"{name}"' for name in parts)
         lines = []
         for table in tables:
@@ -98,7 +102,7 @@ class Chain:
             if table != "study" and readers and table not in self._tables(parts, values):
                 lines.append(
                     f"[{table}] is read by no part of this study, study.parts = [{asked}]: "
-                    f'"{readers[0]}" reads it: name that too, or leave the table away'
+                    f'"{readers[0]}" reads it: name that too, or leave it away'
                 )
         return lines
 
@@ -106,7 +110,7 @@ class Chain:
         """Return the tables that the stages of some parts read."""
         stages = self.needed(names, values)
         read = {key.partition(".")[0] for stage in stages for key in stage.parameters}
-        return read | ({"melt"} if read & {LAW, CARD} else set())
+        return {DERIVED.get(table, table) for table in read}
 
 
 def in_words(
