@@ -196,10 +196,10 @@ def test_only_a_melt_that_thins_at_fibers_has_a_table():
         values = values_of(resolve(tables))
         return [stage.name for stage in CHAIN.needed(["bead"], values)]
 
-    assert "thinning" not in feeding()
-    assert "thinning" not in feeding(melt={**THINS, "index": 1.0})
-    assert "thinning" not in feeding(melt=THINS, fiber={"melt": "local-viscosity"})
-    assert "thinning" in feeding(melt=THINS)
+    assert "response" not in feeding()
+    assert "response" not in feeding(melt={**THINS, "index": 1.0})
+    assert "response" not in feeding(melt=THINS, fiber={"melt": "local-viscosity"})
+    assert "response" in feeding(melt=THINS)
 
 
 def test_a_law_is_read_at_the_melts_temperature(shifted):

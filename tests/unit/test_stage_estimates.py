@@ -50,7 +50,7 @@ GOOD = {
     },
     "stall": {"stall_shape_factor_error": 2e-7},
     "cell": {"shape_factor": 1.034, "shape_factor_error": 1e-4, "tip_pressure_error": 1e-2},
-    "thinning": {"thinning_spin_error": 1e-5, "thinning_pressure_error": 2e-3},
+    "response": {"thinning_spin_error": 1e-5, "thinning_pressure_error": 2e-3},
     "orientation": {
         "orientation_error": np.array([1e-7, 1e-6]),
         "closure_exact_error": 1e-5,
@@ -70,8 +70,8 @@ BAD = [
     ("stall", "stall_shape_factor_error", 2e-6),
     ("cell", "shape_factor_error", 2.3e-3),
     ("cell", "tip_pressure_error", 0.06),
-    ("thinning", "thinning_spin_error", 6e-3),
-    ("thinning", "thinning_pressure_error", 6e-3),
+    ("response", "thinning_spin_error", 6e-3),
+    ("response", "thinning_pressure_error", 6e-3),
     ("orientation", "orientation_error", np.array([1e-7, 2e-3])),
     ("orientation", "closure_exact_error", 2e-3),
 ]

@@ -33,6 +33,7 @@ PARTS = {
     "interaction": "from fiber content to the size of the cell",
     "orbits": "one fiber in simple shear",
     "dimensions": "a plane ellipse against a spheroid",
+    "thinning": "what melts that thin do to bead and fibers",
     "claims": "the paper’s claims",
     "verification": "the verification ladder",
 }

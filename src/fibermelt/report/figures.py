@@ -25,6 +25,7 @@ from fibermelt.report.positions import figure_positions, positions_words
 from fibermelt.report.profiles import figure_profiles, profiles_words
 from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
 from fibermelt.report.streamlines import figure_streamlines, streamlines_words
+from fibermelt.report.thinning import figure_thinning, thinning_words
 from fibermelt.report.voids import figure_voids, voids_words
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ FIGURES = (
     Plate("cell", "The fiber's cell", figure_cell, cell_words, paper="Fig. 5a and 6a"),
     *ORBIT_FIGURES,
     *DIMENSION_FIGURES,
+    Plate("thinning", "What thinning does", figure_thinning, thinning_words, needs="effect_index"),
     *INTERACTION_FIGURES,
     Plate(
         "history",

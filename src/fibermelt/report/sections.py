@@ -17,6 +17,7 @@ from fibermelt.report.judged import claims, verification
 from fibermelt.report.risk import voids
 from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
+from fibermelt.report.thinning import thinning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,6 +101,7 @@ SECTIONS = (
         dimensions,
         ("dimensions",),
     ),
+    Section("thinning", "What thinning does", "thinning", thinning, ("thinning",)),
     Section(
         "tensors",
         "Orientation in the bead",

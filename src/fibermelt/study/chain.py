@@ -16,8 +16,8 @@ from fibermelt.study.bead.flow import (
     streamlines_stage,
     write_fields,
 )
+from fibermelt.study.bead.response import response_estimates, response_stage
 from fibermelt.study.bead.summary import bead_in_words, summarize_bead
-from fibermelt.study.bead.thinning import thinning_estimates, thinning_stage
 from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
 from fibermelt.study.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.config import FROM_CONTENT
@@ -46,6 +46,8 @@ from fibermelt.study.sensitivity.summary import (
     summarize_orbits,
 )
 from fibermelt.study.stages import Stage
+from fibermelt.study.thinning.stage import EFFECT_PARAMETERS, effect_stage
+from fibermelt.study.thinning.summary import summarize_thinning, thinning_in_words
 from fibermelt.study.verification.stage import verification_stage
 from fibermelt.study.verification.summary import (
     summarize_verification,
@@ -68,7 +70,7 @@ _FIBER_PARAMETERS = (
     "fiber.pressure_reference",
 )
 _CELL_PARAMETERS = (*_FIBER_PARAMETERS, "numerics.cell_mesh", "numerics.cell_order")
-_THINNING_PARAMETERS = (*_FIBER_PARAMETERS, LAW, "numerics.thinning_order")
+_RESPONSE_PARAMETERS = (*_FIBER_PARAMETERS, LAW, "numerics.thinning_order")
 _STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
@@ -106,7 +108,7 @@ def _in_the_melt(values: Mapping[str, Value]) -> tuple[str, ...]:
 
 def _thinning(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return the table of fibers in a melt that thins, where a study has one."""
-    return ("thinning",) if thins_at_fibers(values) else ()
+    return ("response",) if thins_at_fibers(values) else ()
 
 
 def _always(values: Mapping[str, Value]) -> bool:
@@ -153,13 +155,13 @@ CHAIN = Chain(
             estimates=cell_estimates,
         ),
         Stage(
-            "thinning",
+            "response",
             1,
-            _THINNING_PARAMETERS,
+            _RESPONSE_PARAMETERS,
             (),
-            thinning_stage,
+            response_stage,
             inputs_if=_from_content,
-            estimates=thinning_estimates,
+            estimates=response_estimates,
         ),
         Stage(
             "motion",
@@ -203,6 +205,14 @@ CHAIN = Chain(
             dimensions_stage,
             inputs_if=_from_content,
         ),
+        Stage(
+            "thinning",
+            1,
+            EFFECT_PARAMETERS,
+            ("flow", "streamlines", "cell"),
+            effect_stage,
+            inputs_if=_from_content,
+        ),
         Stage("verification", LADDER_VERSION, ("study.ladder",), (), verification_stage),
         Stage(
             "claims", 1, CLAIM_TABLES, (), claims_stage, inputs_if=fed_by_parts, light_if=_always
@@ -216,6 +226,7 @@ CHAIN = Chain(
         ),
         Part("orbits", ("orbits",), summarize_orbits, orbits_in_words),
         Part("dimensions", ("dimensions",), summarize_dimensions, dimensions_in_words),
+        Part("thinning", ("thinning",), summarize_thinning, thinning_in_words),
         Part("voids", ("voids",), summarize_voids, voids_in_words),
         Part("verification", ("verification",), summarize_verification, verification_in_words),
         Part("claims", ("claims",), summarize_claims, claims_in_words),

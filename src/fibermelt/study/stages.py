@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ __all__ = [
     "Say",
     "Stage",
     "keys",
+    "refuse_beyond",
     "stage_parameters",
 ]
 
@@ -201,18 +202,29 @@ class Stage:
             data, is_from_it = self.compute(parameters, inputs, say), False
         else:
             data, is_from_it = self.compute_from(parameters, inputs, say, start)
-        for estimate in self.estimates(parameters, data):
-            if not estimate.value <= estimate.bound:
-                msg = (
-                    f"{self.name}: {estimate.name} = {estimate.value:.2g} by its own estimate, "
-                    f"bound {estimate.bound:.2g}: no answer; {estimate.cure}"
-                )
-                raise ConvergenceError(msg)
+        refuse_beyond(self.name, self.estimates(parameters, data))
         return data, start.key if start is not None and is_from_it else ""
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""
         return self.inputs + self.inputs_if(values)
+
+
+def refuse_beyond(name: str, estimates: Iterable[Estimate]) -> None:
+    """Refuse what is not good by its own estimate.
+
+    Raises
+    ------
+    ConvergenceError
+        What it is, the error, its bound and the way out.
+    """
+    for estimate in estimates:
+        if not estimate.value <= estimate.bound:
+            msg = (
+                f"{name}: {estimate.name} = {estimate.value:.2g} by its own estimate, "
+                f"bound {estimate.bound:.2g}: no answer; {estimate.cure}"
+            )
+            raise ConvergenceError(msg)
 
 
 def stage_parameters(stage: Stage, values: Mapping[str, Value]) -> Parameters:

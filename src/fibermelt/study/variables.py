@@ -12,6 +12,7 @@ from fibermelt.study.bead.variables import BEAD_VARIABLES
 from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
 from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
+from fibermelt.study.thinning.variables import EFFECT_VARIABLES
 from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
 from fibermelt.study.voids.variables import VOID_VARIABLES
 
@@ -23,6 +24,7 @@ __all__ = ["VARIABLES", "labelled", "or_none", "study_of"]
 VARIABLES: Mapping[str, tuple[str, str, str]] = {
     **BEAD_VARIABLES,
     **CLAIM_VARIABLES,
+    **EFFECT_VARIABLES,
     **ORIENTATION_VARIABLES,
     **SENSITIVITY_VARIABLES,
     **VOID_VARIABLES,

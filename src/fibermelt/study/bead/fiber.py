@@ -238,11 +238,11 @@ def stored_path(lines: xr.Dataset) -> PathBundle:
 def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
     """Return the fiber's model, with its table of a melt that thins where the study has one."""
     model = stored_model(inputs["cell"])
-    if "thinning" not in inputs:
+    if "response" not in inputs:
         return model
     from fibermelt.fiber.thinning import ThinningResponse  # noqa: PLC0415  lazy: see the module
 
-    arrays = {str(name): one.to_numpy() for name, one in inputs["thinning"].variables.items()}
+    arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
 
 
@@ -261,7 +261,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     middle = inputs["streamlines"]["middle_time"].to_numpy()
     zone_time = inputs["streamlines"]["zone_time"].to_numpy()
     if parameters["fiber.path"] == "newton":
-        chosen = thinning_numerics if "thinning" in inputs else _numerics
+        chosen = thinning_numerics if "response" in inputs else _numerics
         size, numerics = domain_size(parameters, inputs), chosen(parameters)
         followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
     elif parameters["fiber.directions"] == "in-plane":

@@ -14,6 +14,7 @@ from fibermelt.study.config.melt import Melt
 from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
 from fibermelt.study.config.sensitivity import Sensitivity
+from fibermelt.study.config.thinning import Thinning
 from fibermelt.study.melt import refuse_incomplete, refuse_unphysical, thins, values_of
 from fibermelt.study.parameters import Section
 from fibermelt.study.voids.config import Voids
@@ -29,6 +30,7 @@ __all__ = [
     "PartName",
     "Sensitivity",
     "Streamlines",
+    "Thinning",
     "Voids",
     "What",
 ]
@@ -38,8 +40,8 @@ WITHOUT_VISCOSITY = frozenset({"interaction", "verification", "claims"})
 """Parts that ask no viscosity of the melt."""
 
 
-NEWTONIAN_PARTS = ("orbits", "dimensions")
-"""Parts that compare fibers in a Newtonian melt, as the paper's section 2.3 does."""
+NEWTONIAN_PARTS = ("orbits", "dimensions", "thinning")
+"""Parts that begin with a Newtonian melt: the paper's section 2.3, and what thinning changes."""
 
 
 class Config(Section):
@@ -52,6 +54,7 @@ class Config(Section):
     streamlines: Streamlines = Field(default_factory=Streamlines)
     interaction: Interaction = Field(default_factory=Interaction)
     sensitivity: Sensitivity = Field(default_factory=Sensitivity)
+    thinning: Thinning = Field(default_factory=Thinning)
     voids: Voids = Field(default_factory=Voids)
     numerics: Numerics = Field(default_factory=Numerics)
 

@@ -16,6 +16,7 @@ PartName = Literal[
     "interaction",
     "orbits",
     "dimensions",
+    "thinning",
     "voids",
     "verification",
     "claims",
@@ -32,6 +33,7 @@ class What(Section):
         '"orientation": orientation tensors along them; "interaction": from fiber content to the '
         'size of the cell; "orbits": '
         'one fiber in simple shear; "dimensions": what the plane ellipse costs against a spheroid; '
+        '"thinning": what melts that thin do to bead and fibers; '
         '"voids": where in the bead voids can start; "verification": what this installation is '
         'checked against; "claims": whether the paper\'s claims hold in what the others found.',
     )
