@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from fibermelt.errors import ConfigError
 from fibermelt.melt.law import ViscosityLaw
@@ -42,6 +42,8 @@ class CarreauYasuda(ViscosityLaw):
     Carreau, Trans. Soc. Rheol. 16 (1972) 99; Yasuda, Armstrong and Cohen, Rheol. Acta 20 (1981)
     163.
     """
+
+    called: ClassVar[str] = "the law of Carreau and Yasuda"
 
     viscosity: float
     index: float

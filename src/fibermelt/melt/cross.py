@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 from fibermelt.errors import ConfigError
 from fibermelt.melt.law import ViscosityLaw
@@ -42,6 +42,8 @@ class Cross(ViscosityLaw):
     ----------
     Cross, J. Colloid Sci. 20 (1965) 417.
     """
+
+    called: ClassVar[str] = "Cross' law"
 
     viscosity: float
     index: float
@@ -116,6 +118,8 @@ class CrossWLF(ViscosityLaw):
     Williams, Landel and Ferry, J. Am. Chem. Soc. 77 (1955) 3701. D3, the shift of D2 with
     pressure, is taken as zero: an extruder's pressures are low.
     """
+
+    called: ClassVar[str] = "Cross' law with WLF"
 
     index: float
     critical_stress: float

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,7 +75,7 @@ class Dual:
 class ViscosityLaw(ABC):
     """A generalised Newtonian melt, ``tau = 2 eta(gamma_dot) D``; each law is a frozen dataclass.
 
-    A law says three things: its formula (`of_square`), the rate below which it is level
+    A law says what it is `called`, its formula (`of_square`), the rate below which it is level
     (`lowest_rate`), and how it scales (`scaled`). All else follows.
 
     Raises
@@ -83,6 +83,9 @@ class ViscosityLaw(ABC):
     ConfigError
         If a constant is no number, not finite, or out of its range.
     """
+
+    called: ClassVar[str]
+    """What it is called in a sentence."""
 
     @property
     @abstractmethod

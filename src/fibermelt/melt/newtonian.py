@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from fibermelt.melt.law import ViscosityLaw
 
@@ -25,6 +25,8 @@ class Newtonian(ViscosityLaw):
     ConfigError
         If it is not positive and finite.
     """
+
+    called: ClassVar[str] = "a Newtonian melt"
 
     viscosity: float
 

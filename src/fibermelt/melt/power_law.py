@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from fibermelt.errors import ConfigError
 from fibermelt.melt.law import ViscosityLaw
@@ -34,6 +34,8 @@ class PowerLaw(ViscosityLaw):
     ----------
     Bird, Armstrong and Hassager, Dynamics of Polymeric Liquids 1 (1987), Eq. 4.1-10.
     """
+
+    called: ClassVar[str] = "a power law"
 
     consistency: float
     index: float

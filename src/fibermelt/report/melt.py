@@ -19,7 +19,7 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
-from fibermelt.report.tables import number, short
+from fibermelt.report.tables import number
 from fibermelt.study.bead.summary import outside
 from fibermelt.study.loading import resolve
 from fibermelt.study.melt import melt_of
@@ -32,14 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["figure_melt", "melt_words"]
 
-LAWS = {
-    "power-law": "a power law",
-    "carreau": "the law of Carreau and Yasuda",
-    "cross": "Cross' law",
-    "cross-wlf": "Cross' law",
-}
-"""The laws that thin, in words."""
-
 PER_DECADE = 8
 """Bars of a decade of rates."""
 
@@ -48,12 +40,6 @@ PERCENT, CELSIUS = 100.0, 273.15
 
 def _melt(results: xr.Dataset) -> Melt:
     return melt_of(resolve(study_of(results)))
-
-
-def _law(results: xr.Dataset) -> str:
-    """Return the law in words."""
-    said = study_of(results)["melt"]
-    return f"{LAWS[said['law']]} of index {short(said['index'])}"
 
 
 def _shares(results: xr.Dataset) -> tuple[Array, Array]:
@@ -118,7 +104,7 @@ def melt_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"{melt.name} at {melt.temperature - CELSIUS:.0f} °C: (a) viscosity against the rate "
-            f"of deformation √(2 D:D), {_law(results)}; (b) share of the time from inlet to outlet "
+            f"of deformation √(2 D:D), {melt.law.called}; (b) share of the time from inlet to outlet "
             "at each rate, mean by flux, in the first bar at that and slower. Away from singular "
             f"corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} Pa s. "
             f"{range_}"

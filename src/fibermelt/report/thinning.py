@@ -44,7 +44,7 @@ CAUSES = {
 }
 """What thins: words and colours."""
 
-MODELS = {
+MODELS: dict[str, tuple[str, Any, str]] = {
     "confined-ellipse": ("ellipse in its cell", "-", "o"),
     "spheroid": ("spheroid in its plane, unbounded", (0, (4, 1.5)), "D"),
 }
@@ -61,7 +61,7 @@ def _at(values: list[float | None]) -> list[float]:
 
 @styled
 def figure_thinning(results: xr.Dataset) -> Figure:
-    """Draw pressures on fibers below the nozzle, those in simple shear, and the flow's, by index."""
+    """Draw pressures on fibers below the nozzle and in simple shear, and the inlet's, by index."""
     laws = summarize_thinning(results)["thinning"]
     figure = new_figure(FULL, 92)
     local = add_axes(figure, 16, 12, 78, 58)
