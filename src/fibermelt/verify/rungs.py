@@ -11,6 +11,7 @@ from fibermelt.verify import (
     fiber_motion,
     flow,
     free_surface,
+    melt,
     models,
     orientation,
     voids,
@@ -29,6 +30,7 @@ LADDER: tuple[Rung, ...] = (
     *models.RUNGS,
     *orientation.RUNGS,
     *voids.RUNGS,
+    *melt.RUNGS,
     *free_surface.RUNGS,
     *flow.RUNGS,
 )
