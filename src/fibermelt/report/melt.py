@@ -105,9 +105,9 @@ def melt_words(results: xr.Dataset) -> Words:
         caption=(
             f"{melt.name} at {melt.temperature - CELSIUS:.0f} °C: (a) viscosity against the rate "
             f"of deformation √(2 D:D), {melt.law.called}; (b) share of the time from inlet to "
-            "outlet at each rate, mean by flux, in the first bar at that and slower. Away from singular "
-            f"corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} Pa s. "
-            f"{range_}"
+            "outlet at each rate, mean by flux, in the first bar at that and slower. Away from "
+            f"singular corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} "
+            f"Pa s. {range_}"
         ),
         alt=(
             "A falling curve of the viscosity over the rate of deformation, above a histogram of "

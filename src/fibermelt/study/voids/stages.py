@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.errors import ConfigError
+from fibermelt.study.bead.fiber import stored_path
 from fibermelt.study.melt import CARD, LAW, viscosity_of
 from fibermelt.study.stages import Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
@@ -17,8 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fibermelt.fiber import SpheroidResponse
+    from fibermelt.fiber import Spheroid, SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
+    from fibermelt.melt import ViscosityLaw
     from fibermelt.study.parameters import Value
     from fibermelt.study.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
@@ -70,7 +73,7 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
         there are any; or for each of them the results that hold them all.
     viscosity : float, ViscosityLaw or LocalViscosity
-        Of the melt, for spheroids [Pa s]; in one that thins, by its law, they have no answer.
+        Of the melt, for spheroids [Pa s].
     melt : MoistMelt
         The moist melt.
     layers : int
@@ -143,16 +146,34 @@ def _spheroids(inputs: Inputs, viscosity: Viscosity) -> dict[str, Array]:
     from fibermelt.fiber.pressure import newtonian_viscosity  # noqa: PLC0415
     from fibermelt.melt import ViscosityLaw  # noqa: PLC0415
 
+    fiber = Spheroid(1.0, float(inputs["cell"]["aspect_ratio"]))
     if isinstance(viscosity, ViscosityLaw):
-        return {}
+        return _thinned_spheroid(inputs, fiber, viscosity)
     gradient = inputs["streamlines"]["gradient"].to_numpy()
-    spheroid = unbounded_spheroid(Spheroid(1.0, float(inputs["cell"]["aspect_ratio"])))
+    spheroid = unbounded_spheroid(fiber)
     scale = newtonian_viscosity(viscosity, strain_polar(gradient)[0])
     found = {"spheroid": scale * spheroid.bounds(embed_planar(gradient))[0]}
     if "orientation" in inputs:
         tensor = inputs["orientation"]["orientation"].to_numpy()
         found[ORIENTED] = scale * _mean_at_tips(spheroid, gradient, tensor)
     return found
+
+
+def _thinned_spheroid(inputs: Inputs, fiber: Spheroid, law: ViscosityLaw) -> dict[str, Array]:
+    """Return the lowest pressure on spheroids in the flow's plane, in a melt that thins.
+
+    Nothing where aspect ratio or index lie beyond the table of such spheroids. The mean at the tips
+    of others than these needs the closed form of a Newtonian melt.
+    """
+    from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
+    from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid  # noqa: PLC0415
+
+    try:
+        table = unbounded_thinning_spheroid(fiber, law)
+    except ConfigError:
+        return {}
+    path = stored_path(inputs["streamlines"])
+    return {"spheroid": pressure_bounds(path, table, law).lowest}
 
 
 def _mean_at_tips(spheroid: SpheroidResponse, gradient: Array, tensor: Array) -> Array:
