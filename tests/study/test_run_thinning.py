@@ -1,4 +1,4 @@
-"""The whole chain in a melt that thins, over one coarse flow: by its law, and by its local value."""
+"""The whole chain in a melt that thins, over one coarse flow: by its law, and by a local one."""
 
 from __future__ import annotations
 

@@ -170,7 +170,14 @@ THINS = {"law": "carreau", "viscosity": 5000.0, "index": 0.4, "time_constant": 0
     ("tables", "says"),
     [
         ({"study": {"parts": ["bead", "orbits"]}}, r'study\.parts: "orbits" .* \["bead"\]'),
-        ({"fiber": {"model": "spheroid"}}, r'fiber\.model = "spheroid": .* "ellipse"'),
+        (
+            {"fiber": {"model": "spheroid", "aspect_ratio": 30.0}},
+            r'fiber\.aspect_ratio = 30: .* or take fiber\.model = "ellipse"',
+        ),
+        (
+            {"fiber": {"model": "spheroid", "directions": "equal-area"}},
+            r'fiber\.directions = "equal-area": .* "in-plane"',
+        ),
         ({"numerics": {"cell_mesh": "paper"}}, r'numerics\.cell_mesh = "paper": .* "graded"'),
         (
             {"fiber": {"melt": "local-viscosity", "path": "newton"}},

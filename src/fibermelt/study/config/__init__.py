@@ -15,7 +15,7 @@ from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
 from fibermelt.study.config.sensitivity import Sensitivity
 from fibermelt.study.config.thinning import Thinning
-from fibermelt.study.melt import refuse_incomplete, refuse_unphysical, thins, values_of
+from fibermelt.study.melt import melt_of, refuse_incomplete, refuse_unphysical, thins, values_of
 from fibermelt.study.parameters import Section
 from fibermelt.study.voids.config import Voids
 
@@ -108,12 +108,14 @@ class Config(Section):
                 )
                 raise ValueError(msg)
             return self
-        if fiber.model == "spheroid":
+        if fiber.directions == "equal-area":
             msg = (
-                f'fiber.model = "spheroid": has no answer {melt}: take fiber.model = "ellipse" or '
-                f'"confined-ellipse", or {local}'
+                f'fiber.directions = "equal-area": has no answer {melt}, where fibers are known in '
+                f'the plane of the flow: take "in-plane", or {local}'
             )
             raise ValueError(msg)
+        if fiber.model == "spheroid":
+            self._spheroid(local)
         if self.numerics.cell_mesh == "paper":
             msg = (
                 f'numerics.cell_mesh = "paper": is too coarse for a fiber {melt}: take "graded", '
@@ -121,6 +123,19 @@ class Config(Section):
             )
             raise ValueError(msg)
         return self
+
+    def _spheroid(self, local: str) -> None:
+        """Refuse spheroids beyond the table of those in a melt that thins."""
+        from fibermelt.fiber.spheroid import Spheroid  # noqa: PLC0415  lazy: NumPy
+        from fibermelt.fiber.thinning_spheroid import (  # noqa: PLC0415
+            unbounded_thinning_spheroid,
+        )
+
+        try:
+            unbounded_thinning_spheroid(Spheroid(1.0, self.fiber.aspect_ratio), melt_of(self).law)
+        except ConfigError as error:
+            msg = f'{error}; or take fiber.model = "ellipse", or {local}'
+            raise ValueError(msg) from error
 
     @model_validator(mode="after")
     def _scales(self) -> Self:

@@ -169,12 +169,6 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
             'cell, which a domain size could be of: drop it, or take model "confined-ellipse"'
         )
         raise ConfigError(msg)
-    if law and study.model == "spheroid":
-        msg = (
-            'model = "spheroid": has no answer in a melt that thins: take model "ellipse" or '
-            '"confined-ellipse", or a Newtonian melt'
-        )
-        raise ConfigError(msg)
     found, cell, turn = _newton(study) if newton else _superposition(study)
     cost = {
         "cell": cell,
@@ -273,6 +267,14 @@ def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
         return unbounded_model(
             "ellipse" if study.model == "ellipse" else "spheroid", fiber
         ).response
+    rates = study.shear_rate, study.shear_rate
+    if law is not None and study.model == "spheroid":
+        from fibermelt.fiber.spheroid import Spheroid  # noqa: PLC0415
+        from fibermelt.fiber.thinning_spheroid import (  # noqa: PLC0415
+            unbounded_thinning_spheroid,
+        )
+
+        return unbounded_thinning_spheroid(Spheroid(1.0, study.aspect_ratio), law, rates)
     from fibermelt.fiber.cell import solve_cell, solve_thinning  # noqa: PLC0415  a second's import
     from fibermelt.fiber.cell.table import THINNING_NUMERICS  # noqa: PLC0415
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
@@ -282,7 +284,7 @@ def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
         return solve_cell(fiber, _domain(study), CellNumerics(estimate=False)).response
     size = _domain(study) if study.model == "confined-ellipse" else UNBOUNDED_SIZE
     numerics = replace(THINNING_NUMERICS, estimate=False)
-    return solve_thinning(fiber, size, law, numerics, rates=(study.shear_rate, study.shear_rate))
+    return solve_thinning(fiber, size, law, numerics, rates)
 
 
 def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:

@@ -20,8 +20,8 @@ VOID_VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "1",
         "whose lowest pressure: the melt's own; that which a share [%] of isotropically entering "
         "fibers stays below at a point; fibers: the worst of the initial angles; bounds: any "
-        "direction; spheroid: an unbounded spheroid of the same aspect ratio in any direction, where "
-        "it thins its melt in any of the flow's plane; "
+        "direction; spheroid: an unbounded spheroid of the same aspect ratio in any direction, in "
+        "a melt that thins in any of the flow's plane; "
         "oriented tips: at the tips of such spheroids, mean over their orientation tensor",
     ),
     "void_selection": (
