@@ -154,7 +154,6 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
             choices = " or ".join(f'"{choice}"' for choice in known)
             msg = f'{name} = "{value}": must be {choices}'
             raise ConfigError(msg)
-    law = _law_of(study)
     checked_shear(study.shear_rate, _newtonian(study), study.angle)
     newton = study.path == "newton"
     if newton and study.model != "confined-ellipse":
