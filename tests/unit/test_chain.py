@@ -23,6 +23,7 @@ from fibermelt.study.netcdf import from_bytes, to_bytes
 from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
 from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
 from fibermelt.study.stages import keys, stage_parameters
+from fibermelt.study.thinning.variables import EFFECT_VARIABLES
 from fibermelt.study.toml import defaults_toml
 from fibermelt.study.variables import VARIABLES, labelled
 from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
@@ -31,11 +32,13 @@ from fibermelt.units import parse
 
 TABLES = (
     *(BEAD_VARIABLES, CLAIM_VARIABLES, ORIENTATION_VARIABLES, SENSITIVITY_VARIABLES),
-    *(VOID_VARIABLES, VERIFICATION_VARIABLES),
+    *(VOID_VARIABLES, VERIFICATION_VARIABLES, EFFECT_VARIABLES),
 )
 DEFAULTS = values_of(resolve({}))
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - {"flow", "streamlines", "verification"}
-BELOW_FLOW = {"streamlines", "motion", "orientation", "dimensions", "voids", "claims"}
+BELOW_FLOW = {
+    *("streamlines", "motion", "orientation", "dimensions", "thinning", "voids", "claims"),
+}
 
 
 def test_every_parameter_is_read_by_a_stage():
@@ -87,9 +90,12 @@ def test_stages_come_after_their_inputs():
         ("fiber.aspect_ratio", OF_THE_FIBER),
         ("interaction.volume_fraction", {"content", "orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion", "dimensions", "voids", "claims"}),
+        ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "claims"}),
         ("numerics.isotropic_angles", {"motion", "voids", "claims"}),
         ("voids.moisture", {"voids"}),
+        ("thinning.rate", {"thinning"}),
+        ("numerics.thinning_order", {"response", "motion", "thinning", "voids", "claims"}),
+        ("fiber.melt", {"motion", "voids", "claims"}),
         ("melt.temperature", {"voids"}),
         ("melt.density", {"voids"}),
         (
