@@ -25,18 +25,29 @@ __all__ = ["Task", "solve_tasks"]
 
 @dataclass(frozen=True)
 class Task:
-    """The points ``(rate [1/s], phase [rad])`` of one cell, in an order in which they are near."""
+    """The points ``(rate [1/s], phase [rad])`` of one cell, in an order in which they are near.
+
+    The points ``again`` are solved for with ``finer`` numerics, and come after the others.
+    """
 
     fiber: Ellipse
     domain_size: float
     law: ViscosityLaw
     numerics: CellNumerics
     points: tuple[tuple[float, float], ...]
+    finer: CellNumerics
+    again: tuple[tuple[float, float], ...] = ()
 
     def solve(self) -> list[CellAnswer]:
         """Return the answers, each from the one before."""
         cell = ThinningCell(self.fiber, self.domain_size, self.law, self.numerics)
-        return [cell.answer(*point) for point in self.points]
+        answers = [cell.answer(*point) for point in self.points]
+        if self.again:
+            better = ThinningCell(self.fiber, self.domain_size, self.law, self.finer)
+            for point in self.again:
+                cell.answer(*point)
+                answers.append(better.answer(*point, like=cell))
+        return answers
 
 
 def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
