@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell.thinning import CellAnswer, thinning_grid
-from fibermelt.fiber.cell.worker import Task, solve_tasks
+from fibermelt.fiber.cell.worker import Answers, Point, Task, solve_tasks
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_surface import lagrange_matrix
@@ -38,7 +38,7 @@ surface do not get below 6e-3, however many directions: it has a cusp where noth
 moves along the surface."""
 
 RATES_PER_DECADE = 4.0
-"""Rates at which a law that bends is solved for: 13 for a Carreau law, between which cubics are off
+"""Rates at which a law that bends is solved for: 14 for a Carreau law, between which cubics are off
 by 1e-3 of the largest pressure (n = 0.35, M = 4, r_e = 6); nine leave 4e-3."""
 
 PLATEAU = 1e-3
@@ -104,24 +104,13 @@ def solve_thinning(
     nodes, inner = _nodes(law, rates)
     phase = np.linspace(0.0, 0.5 * np.pi, phases)
     between, again = _checks(law, nodes, phase) if numerics.estimate else ([], [])
-    lots = _lots(nodes, phase, workers)
+    finer = replace(numerics, order=numerics.order + FINER) if numerics.estimate else numerics
+    knots = [(float(at), float(to)) for at in nodes for to in phase]
     tasks = [
-        Task(
-            fiber,
-            domain_size,
-            inner,
-            numerics,
-            (*lot, *between[k :: len(lots)]),
-            replace(numerics, order=numerics.order + FINER) if numerics.estimate else numerics,
-            tuple(again[k :: len(lots)]),
-        )
-        for k, lot in enumerate(lots)
+        Task(fiber, domain_size, inner, numerics, (*knots, *between)),
+        Task(fiber, domain_size, inner, finer, tuple(again)),
     ]
-    coarse: dict[tuple[float, float], CellAnswer] = {}
-    fine: dict[tuple[float, float], CellAnswer] = {}
-    for task, found in zip(tasks, solve_tasks(tasks), strict=True):
-        coarse |= zip(task.points, found, strict=False)
-        fine |= zip(task.again, found[len(task.points) :], strict=True)
+    coarse, fine = solve_tasks(tasks, _processes(workers))
     grid = thinning_grid(fiber, domain_size, numerics)
     rows = [[coarse[float(at), float(to)] for to in phase] for at in nodes]
     table = _response(fiber, law, nodes, rows, grid, numerics.order)
@@ -151,14 +140,11 @@ def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array,
             msg = f"rates = {rates} 1/s: must be positive and increase, e.g. (1, 1000)"
             raise ConfigError(msg)
         low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
-    count = max(3, 2 * math.ceil(0.5 * RATES_PER_DECADE * math.log10(high / low)) + 1)
+    count = max(4, math.ceil(RATES_PER_DECADE * math.log10(high / low)) + 1)
     return np.geomspace(low, high, count), law
 
 
-Points = list[tuple[float, float]]
-
-
-def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[Points, Points]:
+def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point], list[Point]]:
     """Return the points between those of a table that it is compared at, and some of its own."""
     middle = 0.5 * (phases[1:] + phases[:-1])
     if rates.size == 1:
@@ -175,24 +161,11 @@ def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[Points, Poi
     return between, [(steepest, float(phases[k])) for k in (0, phases.size // 2, -1)]
 
 
-def _lots(rates: Array, phases: Array, workers: int | None) -> list[Points]:
-    """Return the points of a table, shared out: to and fro, each near the one before."""
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    count = min(cores if workers is None else max(1, workers), max(rates.size, phases.size))
-    if rates.size >= count:  # every count-th rate each, as the high ones take longer
-        shares = [(rates[k::count], phases) for k in range(count)]
-    else:
-        shares = [(rates, some) for some in np.array_split(phases, count)]
-    return [
-        [
-            (float(rate), float(phase))
-            for i, rate in enumerate(some)
-            for phase in (others if i % 2 == 0 else others[::-1])
-        ]
-        for some, others in shares
-    ]
+def _processes(workers: int | None) -> int:
+    """Return the number of processes that solve cells: one a core if not given."""
+    if workers is not None:
+        return max(1, workers)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _response(
@@ -259,7 +232,7 @@ def surface_extremes(
 
 def _largest_error(
     table: ThinningResponse,
-    answers: dict[tuple[float, float], CellAnswer],
+    answers: Answers,
     grid: CellGrid,
     order: int,
 ) -> tuple[float, float]:
