@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.curve import fold_angle
 from fibermelt.melt import PowerLaw, ViscosityLaw
 
 __all__ = ["UNBOUNDED_SIZE", "SpinSeries", "ThinningResponse", "bending_rates"]
@@ -40,6 +41,10 @@ the surface, a corner of ``l``, is then off by 1e-4 of the largest pressure, the
 PER_DECADE = 48
 """Intervals of the rate in a decade between which extremes are linear, off by 1e-4 at most: laws
 bend over decades. The cubic between the rates that were solved for is read there."""
+
+JUMP = 0.3
+"""Change of place [rad] between two directions that is a jump: the extreme itself moves on by
+less."""
 
 SPIN_ROUNDING = 2e-6
 """Terms of ``omega`` that are no more than what cells are solved to."""
@@ -225,13 +230,11 @@ class ThinningResponse:
     @cached_property
     def _table(self) -> tuple[Array, Array, Array]:
         """Return the lowest pressure, its place and the tip's over (fine rate, phi in [0, pi])."""
-        parts = []
-        for low, high, sign in (
-            (self.lowest, self.highest, -1.0),
-            (self.where_lowest, self.where_highest, -1.0),
-        ):
-            parts.append(np.concatenate([low, sign * high[:, -2::-1]], axis=1))
-        parts.append(np.concatenate([self.tip, -self.tip[:, -2::-1]], axis=1))
+        parts = [
+            _joined(self.lowest, self.highest),
+            _joined(self.where_lowest, self.where_highest),
+            _joined(self.tip, self.tip),
+        ]
         if self.rate.size == 1:
             return parts[0], parts[1], parts[2]
         decades = np.log10(self.rate[-1] / self.rate[0])
@@ -321,25 +324,32 @@ class ThinningResponse:
         tip: Array,
         where: tuple[Array, Array] | None = None,
     ) -> ThinningResponse:
-        """Return the table of a fiber of which the extremes are known and not the whole surface.
+        """Return the table of a fiber from what is known at some directions, its surface left out.
 
         Parameters
         ----------
         aspect_ratio, law, rate
             As for the class.
         omega, lowest, highest, tip : (r, f) array
-            Spin over ``d``, extremes and tip pressure over ``eta d`` at ``phi = pi j/(2 (f - 1))``;
-            cubic in between.
+            Spin over ``d``, extremes and tip pressure over ``eta d`` at ``phi = pi j/(2 (f - 1))``.
+            In between, lowest and highest pressure are one cubic spline over half a turn, ``l(pi -
+            phi) = -h(phi)``: as its place on the surface moves on, so does it, without a corner.
         where : pair of (r, f) arrays, optional
-            Eccentric angles of lowest and highest pressure [rad]; 0, the tip, if not known.
+            Eccentric angles of lowest and highest pressure [rad], linear in between; 0, the tip, if
+            not known.
         """
         given = [np.asarray(part, dtype=np.float64) for part in (omega, lowest, highest, tip)]
         phase = np.linspace(0.0, 0.5 * np.pi, given[0].shape[1])
         fine = np.linspace(0.0, 0.5 * np.pi, KNOTS + 1)
-        low, high, tips = (CubicSpline(phase, part, axis=1)(fine) for part in given[1:])
+        half = np.concatenate([phase, np.pi - phase[-2::-1]])
+        joined = CubicSpline(half, _joined(given[1], given[2]), axis=1)
+        tips = CubicSpline(half, _joined(given[3], given[3]), axis=1)(fine)
+        low, high = joined(fine), -joined(np.pi - fine)
         places = [np.zeros(low.shape)] * 2
         if where is not None:
-            places = [np.stack([np.interp(fine, phase, row) for row in part]) for part in where]
+            places = [
+                np.stack([_places(fine, phase, row) for row in np.asarray(part)]) for part in where
+            ]
         return cls(
             aspect_ratio=aspect_ratio,
             law=law,
@@ -371,12 +381,19 @@ def odd_sines(values: Array) -> Array:
     return np.asarray(np.linalg.solve(basis, values[..., 1:, None])[..., 0])
 
 
-def odd_cosines(values: Array) -> Array:
-    """Return ``a_k`` of ``sum a_k cos((2k + 1) phi)`` alike; the last value is zero."""
-    count = values.shape[-1] - 1
-    phase = 0.5 * np.pi * np.arange(count) / count
-    basis = np.cos(np.outer(phase, 2 * np.arange(count) + 1))
-    return np.asarray(np.linalg.solve(basis, values[..., :-1, None])[..., 0])
+def _joined(before: Array, after: Array) -> Array:
+    """Return a row's values over [0, pi] from those over [0, pi/2], ``f(pi - phi) = -g(phi)``."""
+    return np.concatenate([before, -after[:, -2::-1]], axis=1)
+
+
+def _places(fine: Array, phase: Array, angle: Array) -> Array:
+    """Return eccentric angles [rad] at fine phases: linear, but for jumps to another place."""
+    on = np.unwrap(angle, period=np.pi)
+    found = np.interp(fine, phase, on)
+    left = np.minimum(np.searchsorted(phase, fine, side="right") - 1, phase.size - 2)
+    nearest = left + (fine - phase[left] > 0.5 * (phase[1] - phase[0]))
+    jumps = np.abs(np.diff(on)) > JUMP
+    return fold_angle(np.where(jumps[left], on[nearest], found))
 
 
 def _spline(x: Array, values: Array) -> Any:

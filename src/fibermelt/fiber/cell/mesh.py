@@ -56,10 +56,14 @@ class CurvedMesh:
     depth: Any
 
 
-def curved_mesh(grid: CellGrid, order: int) -> CurvedMesh:
-    """Return the graded grid's elements, curved at the given order."""
-    mesh, column = _flat_mesh(grid)
-    quarters, depth, piecewise = column_chart(mesh, grid, column)
+def curved_mesh(grid: CellGrid, order: int, half: bool = False) -> CurvedMesh:
+    """Return the graded grid's elements, curved at the given order.
+
+    By ``half`` only those on one side of the fiber's axis, with the two rays that bound them, ahead
+    of the tips, identified: what happens at ``x`` happens at ``-x``, turned around.
+    """
+    mesh, column = _flat_mesh(grid, half)
+    quarters, depth, piecewise = column_chart(mesh, grid, column, half)
     tip = _function(piecewise, grid.nearest_tip(column))
     x, y = grid.position(tip, quarters, depth, functions=ng)
     shift = ng.GridFunction(ng.VectorH1(mesh, order=order))
@@ -69,7 +73,9 @@ def curved_mesh(grid: CellGrid, order: int) -> CurvedMesh:
     return CurvedMesh(mesh, grid, order, quarters, depth)
 
 
-def column_chart(mesh: Any, grid: CellGrid | PaperGrid, column: Index) -> tuple[Any, Any, Any]:
+def column_chart(
+    mesh: Any, grid: CellGrid | PaperGrid, column: Index, half: bool = False
+) -> tuple[Any, Any, Any]:
     """Return the coordinates around (quarter turns) and outward, and the space of element values.
 
     The chart is built from vertex values, so it does not care how elements are oriented: the row is
@@ -77,7 +83,7 @@ def column_chart(mesh: Any, grid: CellGrid | PaperGrid, column: Index) -> tuple[
     the way across an element without the jump where the last column meets the first.
     """
     piecewise, linear = ng.L2(mesh, order=0), ng.H1(mesh, order=1)
-    vertex_column, vertex_row = vertex_indices(grid)
+    vertex_column, vertex_row = vertex_indices(grid, half)
     odd = _function(piecewise, column % 2)
     parity = _function(linear, vertex_column % 2)
     across = odd + (1.0 - 2.0 * odd) * parity
@@ -91,40 +97,56 @@ def _function(space: Any, values: Array | Index) -> Any:
     return result
 
 
-def _flat_mesh(grid: CellGrid) -> tuple[Any, Index]:
-    """Return a ring of straight elements, and each element's column."""
+def _flat_mesh(grid: CellGrid, half: bool) -> tuple[Any, Index]:
+    """Return a ring of straight elements, or half of it, and each element's column."""
     mesh = ngm.Mesh(dim=2)
-    at = ring_of_points(mesh, grid)
-    for i in range(grid.columns):
-        k = (i + 1) % grid.columns
-        for j in range(grid.rows):
-            mesh.Add(ngm.Element2D(1, [at[i, j], at[i, j + 1], at[k, j + 1], at[k, j]]))
-    return ng.Mesh(mesh), np.repeat(np.arange(grid.columns), grid.rows)
-
-
-def ring_of_points(mesh: Any, grid: CellGrid | PaperGrid) -> dict[tuple[int, int], Any]:
-    """Add a ring's points and boundaries to a mesh; return the points by column and row."""
-    columns, rows = grid.columns, grid.rows
-    at = {}
+    at = ring_of_points(mesh, grid, half)
+    columns = grid.columns // 2 if half else grid.columns
     for i in range(columns):
-        direction = np.exp(2j * np.pi * i / columns)
+        for j in range(grid.rows):
+            corners = [at[i, j], at[i, j + 1], at[i + 1, j + 1], at[i + 1, j]]
+            mesh.Add(ngm.Element2D(1, corners))
+    return ng.Mesh(mesh), np.repeat(np.arange(columns), grid.rows)
+
+
+def ring_of_points(
+    mesh: Any, grid: CellGrid | PaperGrid, half: bool = False
+) -> dict[tuple[int, int], Any]:
+    """Add a ring's points and boundaries to a mesh; return the points by column and row.
+
+    The last column's are those of the first; of half a ring, they are identified with them.
+    """
+    columns, rows = grid.columns // 2 if half else grid.columns, grid.rows
+    at = {}
+    for i in range(columns + half):
+        direction = np.exp(2j * np.pi * i / grid.columns)
         for j in range(rows + 1):
             z = direction * (1.0 + j / rows)
             at[i, j] = mesh.Add(ngm.MeshPoint(ngm.Pnt(z.real, z.imag, 0.0)))
     mesh.Add(ngm.FaceDescriptor(surfnr=1, domin=1, bc=1))
     mesh.SetMaterial(1, "melt")
+    names = ["fiber", "edge"]
+    if half:
+        names += ["ahead", "behind"]
+        for j in range(rows + 1):
+            mesh.AddPointIdentification(at[0, j], at[columns, j], 1, 2)
+        for j in range(rows):
+            mesh.Add(ngm.Element1D([at[0, j], at[0, j + 1]], index=3))
+            mesh.Add(ngm.Element1D([at[columns, j + 1], at[columns, j]], index=4))
+    else:
+        at |= {(columns, j): at[0, j] for j in range(rows + 1)}
     for i in range(columns):
-        k = (i + 1) % columns
-        mesh.Add(ngm.Element1D([at[k, 0], at[i, 0]], index=1))
-        mesh.Add(ngm.Element1D([at[i, rows], at[k, rows]], index=2))
-    mesh.SetBCName(0, "fiber")
-    mesh.SetBCName(1, "edge")
+        mesh.Add(ngm.Element1D([at[i + 1, 0], at[i, 0]], index=1))
+        mesh.Add(ngm.Element1D([at[i, rows], at[i + 1, rows]], index=2))
+    for k, name in enumerate(names):
+        mesh.SetBCName(k, name)
     return at
 
 
-def vertex_indices(grid: CellGrid | PaperGrid) -> tuple[Index, Index]:
+def vertex_indices(grid: CellGrid | PaperGrid, half: bool = False) -> tuple[Index, Index]:
     """Return the column and the row of every vertex, as `ring_of_points` counts them."""
-    column, row = np.indices((grid.columns, grid.rows + 1))
+    columns = grid.columns // 2 + 1 if half else grid.columns
+    column, row = np.indices((columns, grid.rows + 1))
     return column.ravel(), row.ravel()
 
 

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.cell.thinning import CellAnswer, ThinningCell, thinning_grid
-from fibermelt.fiber.cell.worker import Task, solve_tasks
+from fibermelt.fiber.cell.thinning import CellAnswer, thinning_grid
+from fibermelt.fiber.cell.worker import Answers, Point, Task, solve_tasks
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_surface import lagrange_matrix
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.thinning import KNOTS, ThinningResponse, bending_rates, odd_cosines, odd_sines
+from fibermelt.fiber.thinning import ThinningResponse, bending_rates
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -25,16 +25,21 @@ __all__ = ["THINNING_NUMERICS", "solve_thinning"]
 
 Array = NDArray[np.float64]
 
-THINNING_NUMERICS = CellNumerics(order=5)
-"""How a thinning cell is solved: its grid is ten times sharper than a Newtonian one, and order 7
-gains 3e-4 of the largest pressure there at twice the cost (n = 0.35, M = 4, r_e = 6)."""
+THINNING_NUMERICS = CellNumerics(order=5, angular_spacing=0.4, radial_spacing=1.0)
+"""How a thinning cell is solved: its grid is ten times sharper than a Newtonian one, but not finer.
+Extremes are then within 6e-4 of the largest pressure at order 7 on twice as many columns and rows
+(n = 0.35, M = 4, r_e = 6); with columns of 0.6 the highest, beyond the flanks, is off by 8e-3."""
 
 PHASES = 13
-"""Directions in a quarter turn: every 7.5 degrees."""
+"""Directions in a quarter turn: every 7.5 degrees. Cubics between them are off by 5e-4 of the
+largest pressure in the lowest and 2e-3 in the highest, most of it the elements' (n = 0.35, M = 4,
+r_e = 6), by 6e-4 for r_e = 20 in a Newtonian melt. Harmonics of the pressure at each point of the
+surface do not get below 6e-3, however many directions: it has a cusp where nothing deforms, which
+moves along the surface."""
 
-RATES_PER_DECADE = 2.7
-"""Rates at which a law that bends is solved for, nine for a Carreau law: ``eta`` and its index
-change over decades."""
+RATES_PER_DECADE = 4.0
+"""Rates at which a law that bends is solved for: 14 for a Carreau law, between which cubics are off
+by 1e-3 of the largest pressure (n = 0.35, M = 4, r_e = 6); nine leave 4e-3."""
 
 PLATEAU = 1e-3
 """Lowest rate of a power law over that of its table: at 1e-2 its pressures differ by 1e-3 where
@@ -43,12 +48,14 @@ they are small, by 1e-4 where they are large (n = 0.35)."""
 READINGS = 8
 """Points between two nodes on the surface at which an extreme is looked for, before a parabola."""
 
-CUBIC_GAIN = 1.0 / 8.0
-"""What is left of an interpolation error when the spacing is halved: a cubic's falls to a sixteenth
-where all is smooth, and here, with corners between, by an order less."""
+CHECKS = 4
+"""Directions between those of a table of one rate that its estimate solves for."""
 
 FINER = 2
 """Orders that the estimate of the elements' error takes more."""
+
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Part of a quarter turn between the directions of the estimate at one rate and at the next."""
 
 
 @exclusive
@@ -72,9 +79,9 @@ def solve_thinning(
     law : ViscosityLaw
         The melt.
     numerics : CellNumerics, optional
-        Order, spacings, pressure level; `THINNING_NUMERICS` if not given. With ``estimate`` two
-        cells are solved once more, two orders higher, and the table is compared with one of half
-        its points.
+        Order, spacings, pressure level; `THINNING_NUMERICS` if not given. With ``estimate`` the
+        table is compared with cells solved in the middle between its points, one at each rate, and
+        with cells two orders higher.
     rates : (2,) tuple of float, optional
         Lowest and highest ``gamma_dot`` [1/s] that will be asked for, or one rate twice; all if not
         given. A power law has the same answer at every rate.
@@ -96,15 +103,29 @@ def solve_thinning(
         raise ConfigError(msg)
     nodes, inner = _nodes(law, rates)
     phase = np.linspace(0.0, 0.5 * np.pi, phases)
-    spin, pressure = _solved(fiber, domain_size, inner, numerics, nodes, phase, workers)
+    between, again = _checks(law, nodes, phase) if numerics.estimate else ([], [])
+    finer = replace(numerics, order=numerics.order + FINER) if numerics.estimate else numerics
+    knots = [(float(at), float(to)) for at in nodes for to in phase]
+    tasks = [
+        Task(fiber, domain_size, inner, numerics, (*knots, *between)),
+        Task(fiber, domain_size, inner, finer, tuple(again)),
+    ]
+    coarse, fine = solve_tasks(tasks, _processes(workers))
     grid = thinning_grid(fiber, domain_size, numerics)
-    whole = _response(fiber, law, nodes, spin, pressure, grid, numerics.order)
+    rows = [[coarse[float(at), float(to)] for to in phase] for at in nodes]
+    table = _response(fiber, law, nodes, rows, grid, numerics.order)
     if not numerics.estimate:
-        return whole
-    between = _interpolation_error(whole, spin, pressure, grid, numerics.order)
-    elements = _element_error(fiber, domain_size, inner, numerics, whole)
-    turn, worst = (CUBIC_GAIN * one + two for one, two in zip(between, elements, strict=True))
-    return replace(whole, spin_error=turn, pressure_error=worst)
+        return table
+    turn, worst = np.sum(
+        [
+            _largest_error(
+                table, {point: coarse[point] for point in between}, grid, numerics.order
+            ),
+            _largest_error(table, fine, grid, numerics.order + FINER),
+        ],
+        axis=0,
+    )
+    return replace(table, spin_error=float(turn), pressure_error=float(worst))
 
 
 def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array, ViscosityLaw]:
@@ -121,90 +142,57 @@ def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array,
         if rates[0] == rates[1]:
             return np.array(rates[:1]), law
         low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
-    count = max(3, 2 * math.ceil(0.5 * RATES_PER_DECADE * math.log10(high / low)) + 1)
+    count = max(4, math.ceil(RATES_PER_DECADE * math.log10(high / low)) + 1)
     return np.geomspace(low, high, count), law
 
 
-def _solved(
-    fiber: Ellipse,
-    domain_size: float,
-    law: ViscosityLaw,
-    numerics: CellNumerics,
-    rates: Array,
-    phases: Array,
-    workers: int | None,
-) -> tuple[Array, Array]:
-    """Return spins (r, f) and surface pressures (r, f, m) at all points of the table."""
-    cores = (
-        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
-    shape = (rates.size, phases.size)
-    count = min(cores if workers is None else max(1, workers), max(shape))
-    owner = np.empty(shape, dtype=np.intp)
-    if rates.size >= count:  # every count-th rate each, as the high ones take longer
-        owner[:] = (np.arange(shape[0]) % count)[:, None]
+def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point], list[Point]]:
+    """Return the points between those of a table that it is compared at, and some of its own."""
+    middle = 0.5 * (phases[1:] + phases[:-1])
+    if rates.size == 1:
+        chosen = np.unique(np.rint(np.linspace(0, middle.size - 1, CHECKS)).astype(np.intp))
+        between = [(float(rates[0]), float(phase)) for phase in middle[chosen]]
     else:
-        owner[:] = np.arange(shape[1]) * count // shape[1]
-    lots = []
-    for worker in range(count):
-        found = np.argwhere(owner == worker)
-        # to and fro, so that each point's neighbour is the one before
-        back = np.where(np.cumsum(np.diff(found[:, 0], prepend=found[0, 0]) != 0) % 2 == 0, 1, -1)
-        lots.append(found[np.lexsort((back * found[:, 1], found[:, 0]))])
-    tasks = [
-        Task(
-            fiber,
-            domain_size,
-            law,
-            numerics,
-            tuple((float(rates[i]), float(phases[j])) for i, j in lot),
-        )
-        for lot in lots
-    ]
-    answers: dict[tuple[int, int], CellAnswer] = {}
-    for lot, solved in zip(lots, solve_tasks(tasks), strict=True):
-        answers |= {(int(i), int(j)): one for (i, j), one in zip(lot, solved, strict=True)}
-    order = [[answers[i, j] for j in range(shape[1])] for i in range(shape[0])]
-    spin = np.array([[one.spin for one in row] for row in order])
-    return spin, np.array([[one.pressure for one in row] for row in order])
+        part = np.mod(GOLDEN * np.arange(rates.size - 1), 1.0)
+        chosen = (part * middle.size).astype(np.intp)
+        between = [
+            (float(rate), float(phase))
+            for rate, phase in zip(np.sqrt(rates[1:] * rates[:-1]), middle[chosen], strict=True)
+        ]
+    steepest = float(rates[np.argmin(law.index_at(rates))])
+    return between, [(steepest, float(phases[k])) for k in (0, phases.size // 2, -1)]
+
+
+def _processes(workers: int | None) -> int:
+    """Return the number of processes that solve cells: one a core if not given."""
+    if workers is not None:
+        return max(1, workers)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _response(
     fiber: Ellipse,
     law: ViscosityLaw,
     rates: Array,
-    spin: Array,
-    pressure: Array,
+    answers: list[list[CellAnswer]],
     grid: CellGrid,
     order: int,
 ) -> ThinningResponse:
-    """Return the table from spins (r, f) and surface pressures (r, f, m)."""
-    fine = np.linspace(0.0, 0.5 * np.pi, KNOTS + 1)
-    found = [surface_extremes(_between(surface, fine), grid, order) for surface in pressure]
+    """Return the table from the answers at its rates and phases."""
+    pressure = np.array([[one.pressure for one in row] for row in answers])
+    found = [surface_extremes(surface, grid, order) for surface in pressure]
     lowest, highest, where_lowest, where_highest, tip = map(np.stack, zip(*found, strict=True))
-    return ThinningResponse(
-        aspect_ratio=fiber.aspect_ratio,
-        law=law,
-        rate=rates,
-        spin=odd_sines(spin),
-        lowest=lowest,
-        highest=highest,
-        where_lowest=where_lowest,
-        where_highest=where_highest,
-        tip=tip,
-        surface=surface_nodes(grid, order),
-        pressure=pressure,
+    table = ThinningResponse.from_extremes(
+        fiber.aspect_ratio,
+        law,
+        rates,
+        np.array([[one.spin for one in row] for row in answers]),
+        lowest,
+        highest,
+        tip,
+        where=(where_lowest, where_highest),
     )
-
-
-def _between(surface: Array, phase: Array) -> Array:
-    """Return surface pressures (f', m) at phases in a quarter turn from the table's (f, m)."""
-    mirrored = np.roll(surface[:, ::-1], 1, axis=1)
-    wave = 2 * np.arange(surface.shape[0] - 1) + 1
-    even = odd_cosines((0.5 * (surface + mirrored)).T)
-    odd = odd_sines((0.5 * (surface - mirrored)).T)
-    turned = np.outer(phase, wave)
-    return np.asarray(np.cos(turned) @ even.T + np.sin(turned) @ odd.T)
+    return replace(table, surface=surface_nodes(grid, order), pressure=pressure)
 
 
 def surface_nodes(grid: CellGrid, order: int) -> Array:
@@ -244,55 +232,18 @@ def surface_extremes(
     return found[0], found[1], places[0], places[1], pressure[:, 0]
 
 
-def _interpolation_error(
-    whole: ThinningResponse, spin: Array, pressure: Array, grid: CellGrid, order: int
+def _largest_error(
+    table: ThinningResponse,
+    answers: Answers,
+    grid: CellGrid,
+    order: int,
 ) -> tuple[float, float]:
-    """Return how far the table of every second rate and direction is off, spin and extremes.
-
-    Extremes over the largest pressure of their rate, at the points left out.
-    """
-    sparse = slice(None, None, 2)
-    rates = whole.rate[sparse]
-    half = _response(
-        Ellipse(1.0, whole.aspect_ratio),
-        whole.law,
-        rates,
-        spin[sparse, sparse],
-        pressure[sparse, sparse],
-        grid,
-        order,
-    )
-    phase = np.linspace(0.0, 0.5 * np.pi, spin.shape[1])
-    at, to = np.meshgrid(whole.rate, phase, indexing="ij")
-    turn = float(np.max(np.abs(half.omega(at, to) - spin)))
-    worst = 0.0
-    for side in (0.0, np.pi):
-        gap = np.abs(half.lowest_at(at, to + side) - whole.lowest_at(at, to + side))
-        worst = max(worst, float(np.max(gap / whole.largest[:, None])))
-    return turn, worst
-
-
-def _element_error(
-    fiber: Ellipse,
-    domain_size: float,
-    law: ViscosityLaw,
-    numerics: CellNumerics,
-    whole: ThinningResponse,
-) -> tuple[float, float]:
-    """Return how far spin and extremes are off, in two directions, from two orders higher."""
-    finer = CellNumerics(
-        order=numerics.order + FINER,
-        angular_spacing=numerics.angular_spacing,
-        radial_spacing=numerics.radial_spacing,
-        pressure_reference=numerics.pressure_reference,
-    )
-    cell, rate = ThinningCell(fiber, domain_size, law, finer), float(whole.rate[-1])
+    """Return how far a table is off answers, spin and extremes, these over its largest pressure."""
     turn, worst = 0.0, 0.0
-    for phase in (0.0, 0.25 * np.pi):
-        answer = cell.answer(rate, phase)
-        low, high, *_ = surface_extremes(answer.pressure[None], cell.grid, finer.order)
-        found = [whole.lowest_at(rate, phase), -whole.lowest_at(rate, phase + np.pi)]
+    for (rate, phase), answer in answers.items():
+        low, high, *_ = surface_extremes(answer.pressure[None], grid, order)
+        found = [table.lowest_at(rate, phase), -table.lowest_at(rate, phase + np.pi)]
         gap = np.abs(np.array([low[0], high[0]]) - found)
-        turn = max(turn, abs(answer.spin - float(whole.omega(rate, phase))))
-        worst = max(worst, float(np.max(gap) / whole.largest[-1]))
+        turn = max(turn, abs(answer.spin - float(table.omega(rate, phase))))
+        worst = max(worst, float(np.max(gap) / -table.bounds(rate)[0]))
     return turn, worst

@@ -1,6 +1,6 @@
 """Cells solved by a process of their own: NGSolve is entered by one thread of a process at a time.
 
-``python -m fibermelt.fiber.cell.worker`` takes a pickled `Task` from its input and gives the
+``python -m fibermelt.fiber.cell.worker`` takes pickled `Task` values from its input and gives the
 answers, or the error, to its output. A plain child process: it does not run the caller's script
 again, as those of multiprocessing do, and a worker of a cluster may start it.
 """
@@ -11,8 +11,9 @@ import os
 import pickle
 import subprocess
 import sys
+from collections import ChainMap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fibermelt.errors import ConvergenceError, FibermeltError
 from fibermelt.fiber.cell.thinning import CellAnswer, ThinningCell
@@ -20,39 +21,49 @@ from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.melt import ViscosityLaw
 
-__all__ = ["Task", "solve_tasks"]
+__all__ = ["Answers", "Point", "Task", "solve_tasks"]
+
+
+Point = tuple[float, float]
+"""A rate [1/s] and a phase [rad]."""
+
+Answers = dict[Point, CellAnswer]
 
 
 @dataclass(frozen=True)
 class Task:
-    """The points ``(rate [1/s], phase [rad])`` of one cell, in an order in which they are near."""
+    """Points at which one cell is solved."""
 
     fiber: Ellipse
     domain_size: float
     law: ViscosityLaw
     numerics: CellNumerics
-    points: tuple[tuple[float, float], ...]
+    points: tuple[Point, ...]
 
-    def solve(self) -> list[CellAnswer]:
-        """Return the answers, each from the one before."""
+    def solve(self) -> Answers:
+        """Return the answer at each point."""
+        if not self.points:
+            return {}
         cell = ThinningCell(self.fiber, self.domain_size, self.law, self.numerics)
-        return [cell.answer(*point) for point in self.points]
+        return {point: cell.answer(*point) for point in self.points}
 
 
-def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
-    """Return the answers of tasks side by side: the first here, each other in its own process.
+def solve_tasks(tasks: Sequence[Task], workers: int) -> list[Answers]:
+    """Return the answers of tasks, each shared out: to this process, and others side by side.
 
     Raises
     ------
     FibermeltError
-        The first error that a task met.
+        The first error that was met.
     ConvergenceError
         If a process ended without an answer.
     """
+    count = max(1, min(workers, max(len(task.points) for task in tasks)))
+    lots = [[replace(task, points=task.points[k::count]) for task in tasks] for k in range(count)]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     running = []
     try:
-        for task in tasks[1:]:
+        for lot in lots[1:]:
             process = subprocess.Popen(
                 [sys.executable, "-m", "fibermelt.fiber.cell.worker"],
                 stdin=subprocess.PIPE,
@@ -62,9 +73,9 @@ def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
             )
             running.append(process)
             assert process.stdin is not None
-            process.stdin.write(pickle.dumps(task))
+            process.stdin.write(pickle.dumps(lot))
             process.stdin.close()
-        return [tasks[0].solve(), *(_answers(process) for process in running)]
+        found = [[task.solve() for task in lots[0]], *(_answers(process) for process in running)]
     finally:
         for process in running:
             if process.poll() is None:
@@ -72,9 +83,10 @@ def solve_tasks(tasks: Sequence[Task]) -> list[list[CellAnswer]]:
             process.wait()
             if process.stdout is not None:
                 process.stdout.close()
+    return [dict(ChainMap(*parts)) for parts in zip(*found, strict=True)]
 
 
-def _answers(process: subprocess.Popen[bytes]) -> list[CellAnswer]:
+def _answers(process: subprocess.Popen[bytes]) -> list[Answers]:
     """Return what a process found, or raise what it met."""
     assert process.stdout is not None
     told = process.stdout.read()
@@ -84,19 +96,19 @@ def _answers(process: subprocess.Popen[bytes]) -> list[CellAnswer]:
             "workers = 1"
         )
         raise ConvergenceError(msg)
-    found: list[CellAnswer] | FibermeltError = pickle.loads(told)
+    found: list[Answers] | FibermeltError = pickle.loads(told)
     if isinstance(found, FibermeltError):
         raise found
     return found
 
 
 def _main() -> None:
-    """Solve the task on the input; what libraries print goes to the standard error."""
+    """Solve the tasks on the input; what libraries print goes to the standard error."""
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)
-        task: Task = pickle.loads(sys.stdin.buffer.read())
+        tasks: list[Task] = pickle.loads(sys.stdin.buffer.read())
         try:
-            found: list[CellAnswer] | FibermeltError = task.solve()
+            found: list[Answers] | FibermeltError = [task.solve() for task in tasks]
         except FibermeltError as error:
             found = error
         output.write(pickle.dumps(found))
