@@ -198,7 +198,10 @@ class SpheroidCell:
             size = norm
             if size <= NEWTON_TOLERANCE * first:
                 return self._sample(count + 1)
-        msg = f"spheroid cell: residual {size / first:.1e} after {NEWTON_STEPS} steps: start from a larger index"
+        msg = (
+            f"spheroid cell: residual {size / first:.1e} after {NEWTON_STEPS} steps, bound "
+            f"{NEWTON_TOLERANCE:g}: start from the flow of a larger index"
+        )
         raise ConvergenceError(msg)
 
     def _sample(self, steps: int) -> SpheroidSolution:
