@@ -10,6 +10,7 @@ order one.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,7 +28,7 @@ from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.melt import ViscosityLaw
 
-__all__ = ["CellAnswer", "ThinningCell", "thinning_grid"]
+__all__ = ["CellAnswer", "ThinningCell", "TorqueFreeCell", "thinning_grid"]
 
 Array = NDArray[np.float64]
 
@@ -84,37 +85,28 @@ def thinning_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) ->
     return replace(grid, sharpening=SHARPENING)
 
 
-class ThinningCell:
-    """A fiber's cell in one melt; each answer starts from the last one.
+class TorqueFreeCell(ABC):
+    """A rigid fiber in a cell of one melt; each answer starts from the last one.
 
     Parameters
     ----------
-    fiber, domain_size, numerics
-        As in `solve_cell`; the graded mesh only.
+    space : FESpace
+        Velocity and pressure, given on the boundaries ``fiber`` and ``edge``, the far field's.
     law : ViscosityLaw
         The melt.
-
-    Raises
-    ------
-    ConfigError
-        If the fiber does not fit into its cell.
+    extra : int
+        Additional order of integration.
     """
 
-    def __init__(
-        self, fiber: Ellipse, domain_size: float, law: ViscosityLaw, numerics: CellNumerics
-    ) -> None:
-        grid = thinning_grid(fiber, domain_size, numerics)
-        self.law, self.numerics, self.grid = law, numerics, grid
-        self.mesh = curved_mesh(grid, numerics.order)
-        order, mesh = numerics.order, self.mesh.mesh
-        velocity = ng.VectorH1(mesh, order=order, dirichlet="fiber|edge")
-        self.space = velocity * ng.H1(mesh, order=order - 1)
-        self.flow = ng.GridFunction(self.space)
+    def __init__(self, space: Any, law: ViscosityLaw, extra: int = EXTRA_QUADRATURE) -> None:
+        self.space, self.law, self.extra = space, law, extra
+        self.flow = ng.GridFunction(space)
         self._rate, self._unit, self._power = (ng.Parameter(1.0) for _ in range(3))
         self._forms()
-        self.free = ng.Projector(self.space.FreeDofs(), True)
-        self.turn = self._rigid((-ng.y, ng.x))
-        self.nodes = sample_nodes(self.mesh)
+        self.free = ng.Projector(space.FreeDofs(), True)
+        turning = ng.GridFunction(space)
+        self._set_velocity(turning, (-ng.y, ng.x), "fiber")
+        self.turn = turning.vec
         self.spin, self.started = 0.0, False
 
     @property
@@ -122,52 +114,59 @@ class ThinningCell:
         """Return the number of velocity and pressure unknowns."""
         return int(sum(self.space.FreeDofs()))
 
+    def _rates(self, fields: Any) -> tuple[Any, Any, Any]:
+        """Return the rate of deformation, the divergence and the pressure of a function."""
+        u, p = fields
+        return ng.Sym(ng.Grad(u)), ng.div(u), p
+
+    def _set_velocity(self, function: Any, field: tuple[Any, Any], boundary: str = "") -> None:
+        """Set the velocity in the plane, everywhere or on a boundary alone."""
+        where = {"definedon": self.space.mesh.Boundaries(boundary)} if boundary else {}
+        function.components[0].Set(ng.CF(field), **where)
+
+    @abstractmethod
+    def _surface_pressure(self) -> Array:
+        """Return the pressure where the surface is read, its level taken off."""
+
     def _forms(self) -> None:
         """Set up residual and tangent at the present flow."""
-        (w, r), (v, q) = self.space.TnT()
-        u, p = self.flow.components
-        strain, change, test = (ng.Sym(ng.Grad(field)) for field in (u, w, v))
+        trial, test = self.space.TnT()
+        strain, dilation, p = self._rates(self.flow.components)
+        change, swelling, r = self._rates(trial)
+        virtual, opening, q = self._rates(test)
         s = 2.0 * ng.InnerProduct(strain, strain)
         eta, slope = self.law.expression(self._rate * self._rate * s)
         # eta^theta leads from a Newtonian melt (0) to this one (1)
         eta, slope = eta * self._unit, slope * self._unit * self._rate * self._rate
         slope = (self._power * eta ** (self._power - 1.0) * slope).Compile()
         eta = (eta**self._power).Compile()
-        dx = ng.dx(bonus_intorder=EXTRA_QUADRATURE)
+        dx = ng.dx(bonus_intorder=self.extra)
         self.tangent = ng.BilinearForm(self.space, symmetric=True, condense=True)
         self.tangent += (
-            2.0 * eta * ng.InnerProduct(change, test)
-            + 8.0 * slope * ng.InnerProduct(strain, change) * ng.InnerProduct(strain, test)
-            - r * ng.div(v)
-            - q * ng.div(w)
+            2.0 * eta * ng.InnerProduct(change, virtual)
+            + 8.0 * slope * ng.InnerProduct(strain, change) * ng.InnerProduct(strain, virtual)
+            - r * opening
+            - q * swelling
             - COMPRESSIBILITY * r * q
         ) * dx
         self.residual = ng.LinearForm(self.space)
         self.residual += (
-            2.0 * eta * ng.InnerProduct(strain, test)
-            - p * ng.div(v)
-            - q * ng.div(u)
+            2.0 * eta * ng.InnerProduct(strain, virtual)
+            - p * opening
+            - q * dilation
             - COMPRESSIBILITY * p * q
         ) * dx
-
-    def _rigid(self, field: tuple[Any, Any]) -> Any:
-        """Return the coefficients of a motion of the fiber, zero elsewhere."""
-        motion = ng.GridFunction(self.space)
-        where = self.mesh.mesh.Boundaries("fiber")
-        motion.components[0].Set(ng.CF(field), definedon=where)
-        return motion.vec
 
     def _far_field(self, gradient: Array) -> None:
         """Put a far field on the edge and the spin on the fiber; the inside stays."""
         (a, b), (c, d) = gradient.tolist()
-        field = ng.CF((a * ng.x + b * ng.y, c * ng.x + d * ng.y))
+        field = (a * ng.x + b * ng.y, c * ng.x + d * ng.y)
         inside = self.flow.vec.CreateVector()
         if not self.started:
-            self.flow.components[0].Set(field)
+            self._set_velocity(self.flow, field)
         inside.data = self.free * self.flow.vec
-        edge = self.mesh.mesh.Boundaries("edge")
         self.flow.vec[:] = 0.0
-        self.flow.components[0].Set(field, definedon=edge)
+        self._set_velocity(self.flow, field, "edge")
         self.flow.vec.data += inside + self.spin * self.turn
 
     # waiting BLAS threads cost up to five times the work on a busy machine
@@ -252,6 +251,34 @@ class ThinningCell:
         spin = -float(ng.InnerProduct(residual, turning) / resistance)
         step.data += spin * turning
         return step, spin
+
+
+class ThinningCell(TorqueFreeCell):
+    """An ellipse in the circle around it, in the plane.
+
+    Parameters
+    ----------
+    fiber, domain_size, numerics
+        As in `solve_cell`; the graded mesh only.
+    law : ViscosityLaw
+        The melt.
+
+    Raises
+    ------
+    ConfigError
+        If the fiber does not fit into its cell.
+    """
+
+    def __init__(
+        self, fiber: Ellipse, domain_size: float, law: ViscosityLaw, numerics: CellNumerics
+    ) -> None:
+        grid = thinning_grid(fiber, domain_size, numerics)
+        self.numerics, self.grid = numerics, grid
+        self.mesh = curved_mesh(grid, numerics.order)
+        order, mesh = numerics.order, self.mesh.mesh
+        velocity = ng.VectorH1(mesh, order=order, dirichlet="fiber|edge")
+        super().__init__(velocity * ng.H1(mesh, order=order - 1), law)
+        self.nodes = sample_nodes(self.mesh)
 
     def _surface_pressure(self) -> Array:
         """Return the pressure at the surface nodes over half the fiber, its level taken off."""
