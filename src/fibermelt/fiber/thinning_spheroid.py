@@ -1,0 +1,18 @@
+COLUMNS = (
+    "finer",
+    "aspect_ratio",
+    "phase",
+    "index",
+    "spin",
+    "lowest",
+    "highest",
+    "tip",
+    "lowest_in_plane",
+    "highest_in_plane",
+    "angle_lowest",
+    "azimuth_lowest",
+    "angle_highest",
+    "azimuth_highest",
+    "angle_lowest_in_plane",
+    "angle_highest_in_plane",
+)
