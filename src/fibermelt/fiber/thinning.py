@@ -17,6 +17,7 @@ power law has no rate of its own: ``omega`` and ``P`` are then the same at every
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,7 +30,7 @@ from scipy.interpolate import CubicSpline
 from fibermelt.errors import ConfigError
 from fibermelt.melt import PowerLaw, ViscosityLaw
 
-__all__ = ["SpinSeries", "ThinningResponse", "bending_rates"]
+__all__ = ["SpinSeries", "ThinningResponse", "bending_rates", "table_rates"]
 
 Array = NDArray[np.float64]
 
@@ -72,6 +73,35 @@ def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
     if bends.size == 0:
         return 1.0, 1.0
     return float(rate[bends[0]] / SPREAD[1]), float(rate[bends[-1]] / SPREAD[0])
+
+
+def table_rates(law: ViscosityLaw, rates: tuple[float, float] | None, per_decade: float) -> Array:
+    """Return the rates [1/s] of a law's table, one if the answer is the same at all.
+
+    Parameters
+    ----------
+    law : ViscosityLaw
+        The melt.
+    rates : (2,) tuple of float, optional
+        Lowest and highest ``gamma_dot`` [1/s] that will be asked for; all if not given.
+    per_decade : float
+        How many there are.
+
+    Raises
+    ------
+    ConfigError
+        If the rates are not positive or do not increase.
+    """
+    if rates is not None and not 0 < rates[0] < rates[1] < math.inf:
+        msg = f"rates = {rates} 1/s: must be positive and increase, e.g. (1, 1000)"
+        raise ConfigError(msg)
+    low, high = bending_rates(law)
+    if low == high:
+        return np.ones(1)
+    if rates is not None:
+        low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
+    count = max(3, 2 * math.ceil(0.5 * per_decade * math.log10(high / low)) + 1)
+    return np.geomspace(low, high, count)
 
 
 @dataclass(frozen=True, eq=False)

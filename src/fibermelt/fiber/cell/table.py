@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from dataclasses import replace
 
@@ -17,7 +16,7 @@ from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_surface import lagrange_matrix
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.thinning import KNOTS, ThinningResponse, bending_rates, odd_cosines, odd_sines
+from fibermelt.fiber.thinning import KNOTS, ThinningResponse, odd_cosines, odd_sines, table_rates
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -94,7 +93,7 @@ def solve_thinning(
     if phases < 5 or phases % 2 == 0:
         msg = f"phases = {phases}: must be odd and at least 5, e.g. {PHASES}"
         raise ConfigError(msg)
-    nodes, inner = _nodes(law, rates)
+    nodes, inner = table_rates(law, rates, RATES_PER_DECADE), _cell_law(law)
     phase = np.linspace(0.0, 0.5 * np.pi, phases)
     spin, pressure = _solved(fiber, domain_size, inner, numerics, nodes, phase, workers)
     grid = thinning_grid(fiber, domain_size, numerics)
@@ -107,20 +106,9 @@ def solve_thinning(
     return replace(whole, spin_error=turn, pressure_error=worst)
 
 
-def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array, ViscosityLaw]:
-    """Return the rates [1/s] of the table, and the law that its cells have."""
-    low, high = bending_rates(law)
-    if low == high:
-        if isinstance(law, PowerLaw):
-            return np.ones(1), PowerLaw(law.consistency, law.index, PLATEAU)
-        return np.ones(1), law
-    if rates is not None:
-        if not 0 < rates[0] < rates[1] < math.inf:
-            msg = f"rates = {rates} 1/s: must be positive and increase, e.g. (1, 1000)"
-            raise ConfigError(msg)
-        low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
-    count = max(3, 2 * math.ceil(0.5 * RATES_PER_DECADE * math.log10(high / low)) + 1)
-    return np.geomspace(low, high, count), law
+def _cell_law(law: ViscosityLaw) -> ViscosityLaw:
+    """Return the law that the cells of a table have: a power law with a plateau far below."""
+    return PowerLaw(law.consistency, law.index, PLATEAU) if isinstance(law, PowerLaw) else law
 
 
 def _solved(
