@@ -57,13 +57,13 @@ WIDEST = (1e-6, 1e8)
 """Rates [1/s] that are searched for where a law bends."""
 
 
-def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
+def bending_rates(law: ViscosityLaw, reach: float = 0.0) -> tuple[float, float]:
     """Return the rates [1/s] between which a fiber's answer changes; the same twice if none.
 
     Below the first and above the second the law is a power law (of index 1, or its own) all over
-    the rates that a fiber makes of one, `SPREAD`. A pure power law's lowest rate is a
-    regularisation and no property of the melt, so that it is left out: the answer is the same at
-    all rates.
+    the rates that a fiber makes of one, `SPREAD`, or up to ``reach`` times as high. A pure
+    power law's lowest rate is a regularisation and no property of the melt, so that it is left out:
+    the answer is the same at all rates.
     """
     if law.is_newtonian or isinstance(law, PowerLaw):
         return 1.0, 1.0
@@ -72,10 +72,15 @@ def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
     bends = np.flatnonzero((np.abs(index - index[0]) > FLAT) & (np.abs(index - index[-1]) > FLAT))
     if bends.size == 0:
         return 1.0, 1.0
-    return float(rate[bends[0]] / SPREAD[1]), float(rate[bends[-1]] / SPREAD[0])
+    return float(rate[bends[0]] / max(SPREAD[1], reach)), float(rate[bends[-1]] / SPREAD[0])
 
 
-def table_rates(law: ViscosityLaw, rates: tuple[float, float] | None, per_decade: float) -> Array:
+def table_rates(
+    law: ViscosityLaw,
+    rates: tuple[float, float] | None,
+    per_decade: float,
+    reach: float = 0.0,
+) -> Array:
     """Return the rates [1/s] of a law's table, one if the answer is the same at all.
 
     Parameters
@@ -86,6 +91,8 @@ def table_rates(law: ViscosityLaw, rates: tuple[float, float] | None, per_decade
         Lowest and highest ``gamma_dot`` [1/s] that will be asked for; all if not given.
     per_decade : float
         How many there are.
+    reach : float
+        As in `bending_rates`.
 
     Raises
     ------
@@ -95,7 +102,7 @@ def table_rates(law: ViscosityLaw, rates: tuple[float, float] | None, per_decade
     if rates is not None and not 0 < rates[0] < rates[1] < math.inf:
         msg = f"rates = {rates} 1/s: must be positive and increase, e.g. (1, 1000)"
         raise ConfigError(msg)
-    low, high = bending_rates(law)
+    low, high = bending_rates(law, reach)
     if low == high:
         return np.ones(1)
     if rates is not None:

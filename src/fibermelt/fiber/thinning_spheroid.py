@@ -11,9 +11,13 @@ by `fibermelt.fiber.cell.spheroid_table`. Between its points (``n = 1`` is the c
 the brackets from the same elements, so that much of their error cancels; in ``ln r_e`` a cubic
 spline, in ``n`` the polynomial through all, in ``phi`` sines for the spin and a cubic for extremes.
 
-A melt that is no power law is taken as the one that touches it at the far field's rate: ``n = 1 +
-d ln eta/d ln gamma_dot``, stresses over ``eta(gamma_dot) d``. `LOCAL_INDEX_ERROR` has what that is
-worth; `fibermelt.fiber.solve_thinning_spheroid` solves for the law itself.
+A melt that is no power law is taken as the one of the same viscosity at the far field's rate and at
+the rate ``k`` times as high that the fiber's own flow has where the pressure arises (`tip_rate`):
+
+    n = 1 + ln(eta(k gamma_dot)/eta(gamma_dot))/ln k,      stresses over eta(gamma_dot) d.
+
+`LOCAL_INDEX_ERROR` has what that is worth; `fibermelt.fiber.solve_thinning_spheroid` solves for the
+law itself.
 """
 
 from __future__ import annotations
@@ -24,8 +28,8 @@ from functools import cache, cached_property
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator, CubicSpline, RegularGridInterpolator
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline, RegularGridInterpolator
 
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.curve import fold_angle
@@ -83,6 +87,12 @@ LEFT_OUT = 1.0 / 8.0
 """What the error of the interpolation is of the error at a point of the table that was left out: a
 cubic's falls to a sixteenth when its spacing is halved, with corners between by an order less."""
 
+TIP_SHARE = 2.0 / 3.0
+"""TO BE MEASURED"""
+
+SPIN_TERMS = 8
+"""Sines of the spin, whose index depends on the direction."""
+
 LOCAL_INDEX_ERROR = (0.01, 0.1)
 """TO BE MEASURED"""
 
@@ -113,7 +123,7 @@ class SpheroidTable:
     finer: dict[str, Array]
 
     def change(self, name: str, index: Array, aspect_ratio: float, phase: Array) -> Array:
-        """Return what thinning does at indices (m,) and phases (k,) [rad], (m, k).
+        """Return what thinning does at phases (k,) [rad], for each its indices (m, k), (m, k).
 
         Parameters
         ----------
@@ -124,14 +134,8 @@ class SpheroidTable:
             Where, within the table.
         """
         axes = self.index, np.log(self.aspect_ratio), self.phase
-        at = index, np.array([np.log(aspect_ratio)]), phase
-        return np.asarray(_interpolated(name, axes, _change(name, self.values), at)[:, 0])
-
-    def nearest(self, name: str, index: Array, aspect_ratio: float) -> Array:
-        """Return a column at the nearest indices (m,) and aspect ratio, (m, f)."""
-        rows = np.abs(self.index - index[:, None]).argmin(axis=1)
-        column = np.abs(np.log(self.aspect_ratio / aspect_ratio)).argmin()
-        return np.asarray(self.values[name][rows, column])
+        along = _along(name, axes, _change(name, self.values), np.log(aspect_ratio), phase)
+        return np.asarray(np.einsum("mkn,nk->mk", _lagrange(self.index, index), along))
 
     @cached_property
     def errors(self) -> dict[str, Array]:
@@ -216,18 +220,20 @@ def unbounded_thinning_spheroid(
             "solves for one strain"
         )
         raise ConfigError(msg)
-    rate = table_rates(law, rates, RATES_PER_DECADE)
-    index = _indices(law, rate, table)
     fine = np.linspace(0.0, 0.5 * np.pi, KNOTS + 1)
-    exact = unbounded_spheroid(fiber)
     strain = np.zeros((fine.size, 3, 3))
     strain[:, 0, 0], strain[:, 0, 1] = np.cos(fine), np.sin(fine)
     strain[:, 1, 0], strain[:, 1, 1] = np.sin(fine), -np.cos(fine)
-    ends = exact.extremes(strain, [1.0, 0.0, 0.0])
-    tip = exact.tip(strain, [1.0, 0.0, 0.0])
-    parts = {name: table.change(name, index, ratio, fine) for name in ("lowest", "highest", "tip")}
-    turned = table.change("spin", index, ratio, table.phase)
-    spin = odd_sines(turned)
+    exact, along = unbounded_spheroid(fiber), [1.0, 0.0, 0.0]
+    ends, tip = exact.extremes(strain, along), exact.tip(strain, along)
+    reach = tip_rate(ends.lowest, ends.highest)
+    rate = table_rates(law, rates, RATES_PER_DECADE, float(reach.max()))
+    index = _indices(law, rate, reach, table)
+    low, high, end = (
+        table.change(name, index, ratio, fine) for name in ("lowest", "highest", "tip")
+    )
+    turned = table.change("spin", index, ratio, fine)
+    spin = odd_sines(turned[:, :: KNOTS // SPIN_TERMS])
     spin[:, 0] += exact.shape_factor
     places = [
         _places(table, f"angle_{name}_in_plane", index, ratio, where)
@@ -240,11 +246,11 @@ def unbounded_thinning_spheroid(
         law=law,
         rate=rate,
         spin=spin,
-        lowest=ends.lowest * np.exp(parts["lowest"]),
-        highest=ends.highest * np.exp(parts["highest"]),
+        lowest=ends.lowest * np.exp(low),
+        highest=ends.highest * np.exp(high),
         where_lowest=places[0],
         where_highest=places[1],
-        tip=tip + tip[0] * parts["tip"],
+        tip=tip + tip[0] * end,
         surface=np.zeros(0),
         pressure=np.zeros((rate.size, 0, 0)),
         spin_error=turn + local[0],
@@ -252,20 +258,35 @@ def unbounded_thinning_spheroid(
     )
 
 
-def _indices(law: ViscosityLaw, rate: Array, table: SpheroidTable) -> Array:
-    """Return the index of the melt at rates [1/s], within the table or refused (`ConfigError`)."""
-    index = np.array([law.index]) if isinstance(law, PowerLaw) else law.index_at(rate)
+def tip_rate(lowest: Array, highest: Array) -> Array:
+    """Return ``k`` from the extremes over ``eta d`` [-] of a Newtonian melt.
+
+    The traction on the surface is ``Sigma n``, its part along the surface at most half the
+    difference of the outer eigenvalues of ``Sigma``, so half that of the extreme pressures: the
+    highest shear rate on the fiber. `TIP_SHARE` of it, over ``gamma_dot = 2 d``.
+    """
+    return np.asarray(TIP_SHARE * 0.25 * (highest - lowest))
+
+
+def _indices(law: ViscosityLaw, rate: Array, reach: Array, table: SpheroidTable) -> Array:
+    """Return the indices at rates (m,) [1/s], reaches (k,): (m, k); or refuse (`ConfigError`)."""
+    if isinstance(law, PowerLaw):
+        index = np.full((1, reach.size), law.index)
+    else:
+        fall = law.viscosity_at(np.outer(rate, reach)) / law.viscosity_at(rate)[:, None]
+        index = 1.0 + np.log(fall) / np.log(reach)
     low, high = table.index[[0, -1]]
-    outside = np.flatnonzero((index < low - ROUNDING) | (index > high + ROUNDING))
+    outside = np.argwhere((index < low - ROUNDING) | (index > high + ROUNDING))
     if outside.size:
-        at = outside[0]
+        row, column = outside[0]
+        between = f"{rate[row]:.3g} to {rate[row] * reach[column]:.3g} 1/s"
         msg = (
-            f"melt: its index 1 + d ln eta/d ln gamma_dot is {index[at]:.3g} at {rate[at]:.3g} "
-            f"1/s: the table of spheroids in thinning melts has {low:g} to {high:g}; give rates "
-            "= (lowest, highest) where it is, or take solve_thinning_spheroid for one strain"
+            f"melt: its index from {between} is {index[row, column]:.3g}: the table of spheroids "
+            f"in thinning melts has {low:g} to {high:g}; give rates = (lowest, highest) that "
+            "keep to it, or take solve_thinning_spheroid for one strain"
         )
         raise ConfigError(msg)
-    return np.clip(index, low, high)
+    return np.asarray(np.clip(index, low, high))
 
 
 def _errors(table: SpheroidTable, index: Array, aspect_ratio: float) -> tuple[float, float]:
@@ -291,12 +312,12 @@ def _places(
     """
     fine = np.linspace(0.0, 0.5 * np.pi, exact.shape[0])
     near = np.abs(table.phase - fine[:, None]).argmin(axis=1)
-    of = table.aspect_ratio[np.abs(np.log(table.aspect_ratio / aspect_ratio)).argmin()]
-    angle = fold_angle(np.radians(table.nearest(name, index, aspect_ratio)[:, near]))
-    angle = np.arctan2(of * np.sin(angle), aspect_ratio * np.cos(angle))
-    newtonian = np.abs(table.index - index[:, None]).argmin(axis=1) == table.index.size - 1
-    angle[newtonian] = fold_angle(np.arctan2(exact[:, 1], exact[:, 0]))
-    return np.asarray(angle)
+    rows = np.abs(table.index - index[..., None]).argmin(axis=-1)
+    column = np.abs(np.log(table.aspect_ratio / aspect_ratio)).argmin()
+    angle = fold_angle(np.radians(table.values[name][rows, column, near]))
+    angle = np.arctan2(table.aspect_ratio[column] * np.sin(angle), aspect_ratio * np.cos(angle))
+    newtonian = fold_angle(np.arctan2(exact[:, 1], exact[:, 0]))
+    return np.where(rows == table.index.size - 1, newtonian, angle)
 
 
 def _change(name: str, values: dict[str, Array]) -> Array:
@@ -308,18 +329,26 @@ def _change(name: str, values: dict[str, Array]) -> Array:
     return np.asarray(change / part[-1, :, :1] if name == "tip" else change)
 
 
-def _interpolated(name: str, axes: Axes, values: Array, at: Axes) -> Array:
-    """Return values (n, r, f) at the product of other indices, ``ln r_e`` and phases."""
-    along = CubicSpline(axes[1], values, axis=1)(at[1])
-    along = BarycentricInterpolator(axes[0], along, axis=0)(at[0])
+def _along(name: str, axes: Axes, values: Array, ratio: ArrayLike, phase: Array) -> Array:
+    """Return values (n, r, f) at other ``ln r_e`` and phases (k,), (n, ..., k)."""
+    along = CubicSpline(axes[1], values, axis=1)(ratio)
     if name in ("lowest", "highest"):
-        return np.asarray(CubicSpline(axes[2], along, axis=2)(at[2]))
+        return np.asarray(CubicSpline(axes[2], along, axis=-1)(phase))
     # by symmetry odd multiples of the angle: sines from 0 on, cosines to pi/2
-    count = axes[2].size - 1
-    wave = np.outer(2 * np.arange(count) + 1, at[2])
+    wave = np.outer(2 * np.arange(axes[2].size - 1) + 1, phase)
     if name == "spin":
         return np.asarray(odd_sines(along) @ np.sin(wave))
     return np.asarray(odd_cosines(along) @ np.cos(wave))
+
+
+def _lagrange(knots: Array, at: Array) -> Array:
+    """Return the weights (..., n) of the values at knots in the polynomial through them."""
+    gaps = at[..., None] - knots
+    weights = np.ones((*at.shape, knots.size))
+    for k, knot in enumerate(knots):
+        rest = np.delete(np.arange(knots.size), k)
+        weights[..., k] = np.prod(gaps[..., rest] / (knot - knots[rest]), axis=-1)
+    return weights
 
 
 def _missed(name: str, axes: Axes, values: Array, axis: int) -> Array:
@@ -334,7 +363,8 @@ def _missed(name: str, axes: Axes, values: Array, axis: int) -> Array:
         rest = tuple(np.delete(one, lot) if k == axis else one for k, one in enumerate(axes))
         at = tuple(one[lot] if k == axis else one for k, one in enumerate(axes))
         left = np.delete(values, lot, axis=axis)
-        found = _interpolated(name, (rest[0], rest[1], rest[2]), left, (at[0], at[1], at[2]))
+        along = _along(name, (rest[0], rest[1], rest[2]), left, at[1], at[2])
+        found = np.einsum("mn,n...->m...", _lagrange(rest[0], at[0]), along)
         parts.append(np.abs(found - np.take(values, lot, axis=axis)))
     missed = np.concatenate(parts, axis=axis)
     places = np.concatenate(lots)

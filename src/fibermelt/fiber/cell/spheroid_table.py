@@ -2,7 +2,7 @@
 
 ``python -m fibermelt.fiber.cell.spheroid_table FILE`` solves what FILE (CSV) does not hold yet and
 adds it there, a chain of indices at a time, each from the flow of the larger index before: half a
-minute a chain on a quiet core, 49 chains, and nine on finer elements, by which the others' error
+minute a chain on a quiet core, 49 chains, and six on finer elements, by which the others' error
 is known. `fibermelt.fiber.thinning_spheroid` reads it.
 """
 
@@ -35,10 +35,10 @@ same to 1e-5, those of n = 0.25 to 3e-3 (r_e = 6)."""
 SLENDER = 6.0
 """Aspect ratio beyond which a layer more is taken."""
 
-FINER_RATIOS, FINER_PHASES = (1.0, 4.0, 20.0), (0.0, 45.0, 90.0)
+FINER_RATIOS, FINER_PHASES = (1.0, 6.0, 20.0), (0.0, 60.0)
 """What is solved once more on `FINER` elements."""
 
-FINER = SpheroidNumerics(layers=8, meridian=10, azimuth=6)
+FINER = SpheroidNumerics(layers=7, meridian=10, azimuth=6)
 
 
 def make_table(path: Path) -> None:
