@@ -1,7 +1,7 @@
 """The fiber: its shape, its motion along a flow history, the pressure on its surface.
 
-Only `solve_cell`, `solve_thinning` and `build_system` need the finite elements; they are loaded
-when first named.
+Only `solve_cell`, `solve_thinning`, `solve_thinning_spheroid` and `build_system` need the finite
+elements; they are loaded when first named.
 """
 
 from __future__ import annotations
@@ -79,14 +79,21 @@ from fibermelt.fiber.spheroid import (
     embed_planar,
     unbounded_spheroid,
 )
+from fibermelt.fiber.spheroid_data import SpheroidNumerics, ThinningSpheroid
 from fibermelt.fiber.stall import paper_stall_angle, stall_curve
 from fibermelt.fiber.stall_data import StallCurve
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.fiber.thinning_motion import ThinningMotion, ThinningPressure
+from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid
 from fibermelt.fiber.tumbling import Tumbling, tumble, turn_times, turned_angle
 
 if TYPE_CHECKING:
-    from fibermelt.fiber.cell import build_system, solve_cell, solve_thinning
+    from fibermelt.fiber.cell import (
+        build_system,
+        solve_cell,
+        solve_thinning,
+        solve_thinning_spheroid,
+    )
 
 __all__ = [
     "CellError",
@@ -112,6 +119,7 @@ __all__ = [
     "PathBundle",
     "PressureBounds",
     "Spheroid",
+    "SpheroidNumerics",
     "SpheroidResponse",
     "StallCurve",
     "SurfaceExtremes",
@@ -119,6 +127,7 @@ __all__ = [
     "ThinningMotion",
     "ThinningPressure",
     "ThinningResponse",
+    "ThinningSpheroid",
     "Tumbling",
     "angle_to_stream",
     "angle_to_stream_at",
@@ -156,6 +165,7 @@ __all__ = [
     "pressure_bounds",
     "solve_cell",
     "solve_thinning",
+    "solve_thinning_spheroid",
     "stall_curve",
     "statistics",
     "surface_pressure",
@@ -166,6 +176,7 @@ __all__ = [
     "unbounded_ellipsoid",
     "unbounded_model",
     "unbounded_spheroid",
+    "unbounded_thinning_spheroid",
     "zhang_cylinder_ratio",
     "zhang_ellipse_ratio",
 ]
@@ -173,7 +184,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Load the finite elements when a cell is asked for."""
-    if name in ("build_system", "solve_cell", "solve_thinning"):
+    if name in ("build_system", "solve_cell", "solve_thinning", "solve_thinning_spheroid"):
         from fibermelt.fiber import cell  # noqa: PLC0415  # a second's import, on demand only
 
         return getattr(cell, name)

@@ -17,6 +17,7 @@ power law has no rate of its own: ``omega`` and ``P`` are then the same at every
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,7 +31,7 @@ from fibermelt.errors import ConfigError
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.melt import PowerLaw, ViscosityLaw
 
-__all__ = ["UNBOUNDED_SIZE", "SpinSeries", "ThinningResponse", "bending_rates"]
+__all__ = ["UNBOUNDED_SIZE", "SpinSeries", "ThinningResponse", "bending_rates", "table_rates"]
 
 Array = NDArray[np.float64]
 
@@ -65,13 +66,13 @@ WIDEST = (1e-6, 1e8)
 """Rates [1/s] that are searched for where a law bends."""
 
 
-def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
+def bending_rates(law: ViscosityLaw, reach: float = 0.0) -> tuple[float, float]:
     """Return the rates [1/s] between which a fiber's answer changes; the same twice if none.
 
     Below the first and above the second the law is a power law (of index 1, or its own) all over
-    the rates that a fiber makes of one, `SPREAD`. A pure power law's lowest rate is a
-    regularisation and no property of the melt, so that it is left out: the answer is the same at
-    all rates.
+    the rates that a fiber makes of one, `SPREAD`, or up to ``reach`` times as high. A pure
+    power law's lowest rate is a regularisation and no property of the melt, so that it is left out:
+    the answer is the same at all rates.
     """
     if law.is_newtonian or isinstance(law, PowerLaw):
         return 1.0, 1.0
@@ -80,7 +81,45 @@ def bending_rates(law: ViscosityLaw) -> tuple[float, float]:
     bends = np.flatnonzero((np.abs(index - index[0]) > FLAT) & (np.abs(index - index[-1]) > FLAT))
     if bends.size == 0:
         return 1.0, 1.0
-    return float(rate[bends[0]] / SPREAD[1]), float(rate[bends[-1]] / SPREAD[0])
+    return float(rate[bends[0]] / max(SPREAD[1], reach)), float(rate[bends[-1]] / SPREAD[0])
+
+
+def table_rates(
+    law: ViscosityLaw,
+    rates: tuple[float, float] | None,
+    per_decade: float,
+    reach: float = 0.0,
+) -> Array:
+    """Return the rates [1/s] of a law's table, one if the answer is the same at all.
+
+    Parameters
+    ----------
+    law : ViscosityLaw
+        The melt.
+    rates : (2,) tuple of float, optional
+        Lowest and highest ``gamma_dot`` [1/s] that will be asked for, or one rate twice; all if not
+        given.
+    per_decade : float
+        How many there are.
+    reach : float
+        As in `bending_rates`.
+
+    Raises
+    ------
+    ConfigError
+        If the rates are not positive or fall.
+    """
+    if rates is not None and not 0 < rates[0] <= rates[1] < math.inf:
+        msg = f"rates = {rates} 1/s: must be positive and not fall, e.g. (1, 1000)"
+        raise ConfigError(msg)
+    low, high = bending_rates(law, reach)
+    if low == high:
+        return np.ones(1)
+    if rates is not None:
+        if rates[0] == rates[1]:
+            return np.array(rates[:1])
+        low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
+    return np.geomspace(low, high, max(4, math.ceil(per_decade * math.log10(high / low)) + 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -379,6 +418,14 @@ def odd_sines(values: Array) -> Array:
     phase = 0.5 * np.pi * np.arange(1, count + 1) / count
     basis = np.sin(np.outer(phase, 2 * np.arange(count) + 1))
     return np.asarray(np.linalg.solve(basis, values[..., 1:, None])[..., 0])
+
+
+def odd_cosines(values: Array) -> Array:
+    """Return ``a_k`` of ``sum a_k cos((2k + 1) phi)`` alike; the last value is zero."""
+    count = values.shape[-1] - 1
+    phase = 0.5 * np.pi * np.arange(count) / count
+    basis = np.cos(np.outer(phase, 2 * np.arange(count) + 1))
+    return np.asarray(np.linalg.solve(basis, values[..., :-1, None])[..., 0])
 
 
 def _joined(before: Array, after: Array) -> Array:

@@ -12,7 +12,14 @@ This package is the only place of the fiber's side that loads the finite element
 
 from fibermelt.fiber.cell.free import ThinningFiber
 from fibermelt.fiber.cell.solve import solve_cell
+from fibermelt.fiber.cell.spheroid import solve_thinning_spheroid
 from fibermelt.fiber.cell.system import build_system
 from fibermelt.fiber.cell.table import solve_thinning
 
-__all__ = ["ThinningFiber", "build_system", "solve_cell", "solve_thinning"]
+__all__ = [
+    "ThinningFiber",
+    "build_system",
+    "solve_cell",
+    "solve_thinning",
+    "solve_thinning_spheroid",
+]

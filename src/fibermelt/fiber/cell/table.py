@@ -17,7 +17,7 @@ from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_surface import lagrange_matrix
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.thinning import ThinningResponse, bending_rates
+from fibermelt.fiber.thinning import ThinningResponse, table_rates
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -101,7 +101,7 @@ def solve_thinning(
     if phases < 5 or phases % 2 == 0:
         msg = f"phases = {phases}: must be odd and at least 5, e.g. {PHASES}"
         raise ConfigError(msg)
-    nodes, inner = _nodes(law, rates)
+    nodes, inner = table_rates(law, rates, RATES_PER_DECADE), _cell_law(law)
     phase = np.linspace(0.0, 0.5 * np.pi, phases)
     between, again = _checks(law, nodes, phase) if numerics.estimate else ([], [])
     finer = replace(numerics, order=numerics.order + FINER) if numerics.estimate else numerics
@@ -128,22 +128,9 @@ def solve_thinning(
     return replace(table, spin_error=float(turn), pressure_error=float(worst))
 
 
-def _nodes(law: ViscosityLaw, rates: tuple[float, float] | None) -> tuple[Array, ViscosityLaw]:
-    """Return the rates [1/s] of the table, and the law that its cells have."""
-    low, high = bending_rates(law)
-    if low == high:
-        if isinstance(law, PowerLaw):
-            return np.ones(1), PowerLaw(law.consistency, law.index, PLATEAU)
-        return np.ones(1), law
-    if rates is not None:
-        if not 0 < rates[0] <= rates[1] < math.inf:
-            msg = f"rates = {rates} 1/s: must be positive and not fall, e.g. (1, 1000)"
-            raise ConfigError(msg)
-        if rates[0] == rates[1]:
-            return np.array(rates[:1]), law
-        low, high = max(low, min(rates[0], 0.5 * high)), min(high, max(rates[1], 2.0 * low))
-    count = max(4, math.ceil(RATES_PER_DECADE * math.log10(high / low)) + 1)
-    return np.geomspace(low, high, count), law
+def _cell_law(law: ViscosityLaw) -> ViscosityLaw:
+    """Return the law that the cells of a table have: a power law with a plateau far below."""
+    return PowerLaw(law.consistency, law.index, PLATEAU) if isinstance(law, PowerLaw) else law
 
 
 def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point], list[Point]]:
