@@ -18,6 +18,8 @@ from fibermelt.fiber import (
 )
 from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.history import simple_shear
+from fibermelt.melt import CarreauYasuda, PowerLaw
+from fibermelt.study.questions.orbit import read_melt
 
 FEW = examples(20)
 ROUNDING = 1e-12
@@ -140,3 +142,28 @@ def test_period_of_a_shape_factor() -> None:
 def test_no_orbit(rate: float, viscosity: float, angle: float, message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         orbit(unbounded_ellipse(Ellipse(1.0, 6.0)), rate, viscosity, angle)
+
+
+def test_a_melt_of_the_command_line_is_a_law():
+    assert read_melt(None, {"viscosity": "817"}) == 817.0
+    said = {"viscosity": None, "consistency": "1", "index": "0.5"}
+    assert read_melt("power-law", said) == PowerLaw(1.0, 0.5)
+    carreau = {"viscosity": "5 kPa s", "index": "0.4", "time_constant": "200 ms"}
+    assert read_melt("carreau", carreau) == CarreauYasuda(5000.0, 0.4, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("law", "said", "message"),
+    [
+        ("newton", {}, '--law "newton": must be one of "newtonian"'),
+        (None, {"viscosity": None}, "--viscosity: missing: the law newtonian needs it"),
+        ("power-law", {"index": "0.5", "consistency": None}, "--consistency: missing"),
+        ("carreau", {"consistency": "1"}, "--consistency: no constant of the law carreau"),
+        ("power-law", {"index": "0", "consistency": "1"}, "--index = 0 must be positive"),
+        ("power-law", {"index": "0.5", "consistency": "1 m"}, '--consistency = "1 m"'),
+    ],
+)
+def test_a_melt_that_is_none_names_the_option(law, said, message):
+    options = dict.fromkeys(("viscosity", "consistency", "index", "time_constant")) | said
+    with pytest.raises(ConfigError, match=message):
+        read_melt(law, options)
