@@ -78,6 +78,9 @@ BAD = [
 
 NOT_THE_STAGES_OWN = {
     "void_estimates": "names what a material card estimates",
+    "effect_inlet_pressure_error": "held by the flow's own bounds within the stage",
+    "effect_contact_point_error": "the same",
+    "effect_peak_error": "held by the table's own bounds within the stage",
 }
 """Variables whose meaning speaks of estimates, and why they are no error of a stage."""
 
