@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fibermelt.orientation.closures import CLOSURES
+from fibermelt.orientation.orthotropic import WIDTH
 from fibermelt.orientation.tensors import TANGENTS
 from fibermelt.verify.closures import central, generic_tensors
 
@@ -93,7 +94,7 @@ def test_jump_of_the_fits_is_their_error(name):
         (np.stack([x, (1 - x) / 2, (1 - x) / 2], axis=1), (0.0, 1.0, -1.0)),
     )
     for (values, split), bound in zip(states, JUMPS[name], strict=True):
-        gap = 1e-6
+        gap = 1.01 * WIDTH  # the fit as published, and what it is led over to
         at, near = values, values + 0.5 * gap * np.array(split)
         jump = np.abs(
             law.fourth(near[:, :, None] * np.eye(3)) - law.fourth(at[:, :, None] * np.eye(3))
@@ -122,3 +123,30 @@ def test_uniaxial_states_stay_uniaxial(name):
         rate = Q.T @ law.contract(Q @ np.diag(values) @ Q.T, strain) @ Q
         assert rate[1, 1] == pytest.approx(rate[2, 2], abs=1e-13)
         assert np.abs(rate - np.diag(np.diag(rate))).max() < 1e-13
+
+
+@pytest.mark.parametrize("base", [(0.5, 0.25, 0.25), (0.4, 0.4, 0.2), (1.0, 0.0, 0.0)])
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
+@pytest.mark.parametrize("name", JUMPS)
+def test_derivative_where_a_fit_is_led_over(name, share, base):
+    """Differences across a small part of the width, where slopes are the jump over the width."""
+    law, Q = CLOSURES[name], rotation(9)
+    split = np.array([0.5, -0.5, 0.0] if base[0] == base[1] else [0.0, 0.5, -0.5])
+    a = Q @ np.diag(np.array(base) + share * WIDTH * split) @ Q.T
+    exact = law.fourth_derivative(a[None], TANGENTS)
+    coarse, fine = (
+        np.abs(central(law, a[None], h * WIDTH) - exact).max() for h in (2e-2 * share, 1e-2 * share)
+    )
+    # 1e-16 of rounding over a step of 2e-9
+    assert fine < 1e-2 * np.abs(exact).max()
+    assert fine < 2e-6 or np.log2(coarse / fine) == pytest.approx(2.0, abs=0.3)
+
+
+def test_a_fit_is_led_over_by_the_closer_pair():
+    """Nearly isotropic tensors with an axis keep it: turns about it change nothing."""
+    values = np.array([1 / 3 + 2e-6, 1 / 3 - 1e-6, 1 / 3 - 1e-6])
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.6, -0.8], [0.0, 0.8, 0.6]])
+    law = CLOSURES["ORL"]
+    fourth = law.fourth(np.diag(values)[None])
+    split = np.diag(values + np.array([0.0, 1e-9, -1e-9]))
+    assert np.allclose(law.fourth((turn @ split @ turn.T)[None]), fourth, atol=1e-7, rtol=0)

@@ -32,20 +32,20 @@ NO_BRANCH = {
     ("linear", "uniaxial"): 3e-2,
     ("linear", "planar"): 3e-2,
     ("ORF", "planar"): 3e-3,
-    ("ORF", "mixed"): 3e-3,
     ("ORL", "planar"): 1e-3,
-    ("ORL", "mixed"): 1e-3,
 }
 """Up to which of `INTERACTIONS` there is no branch of states from isotropy. The linear closure's
-tensor grows without bound; the fits jump where the two smaller eigenvalues cross."""
+tensor grows without bound; the fits turn back where the two smaller eigenvalues cross."""
 
 UNPHYSICAL = {
     ("linear", "biaxial"): 3e-2,
     ("linear", "mixed"): 3e-2,
     ("ORF", "uniaxial"): 3e-3,
     ("ORF", "biaxial"): 3e-3,
+    ("ORF", "mixed"): 3e-3,
     ("ORL", "uniaxial"): 1e-3,
     ("ORL", "biaxial"): 3e-3,
+    ("ORL", "mixed"): 1e-3,
 }
 """Up to which the state has eigenvalues outside [0, 1]."""
 

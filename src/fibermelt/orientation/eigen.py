@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["eigenframe"]
+__all__ = ["ROUNDING", "eigenframe"]
 
 Array = NDArray[np.float64]
+
+ROUNDING = 1e-12
+"""Gap below which eigenvalues count as equal whatever their size: above their rounding, 1e-15."""
 
 LAPACK_BATCH = 256
 """Tensors up to which LAPACK, one by one, is as fast as the vectorised rotations below."""

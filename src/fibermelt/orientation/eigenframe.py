@@ -11,9 +11,9 @@ be unchanged by a turn about the third axis k: ``h_i = h_j = 3/8 h_k``. The exac
 miss it by their error, so that their value would depend on an arbitrary choice. Within ``SAME`` of
 that state the average over the turn is taken instead (for three equal eigenvalues: over all turns,
 H = 0), of the value and of the derivative. The average is the only choice that no rotation of the
-laboratory changes, and it keeps uniaxial flows uniaxial. For a fit it is a jump by its departure
-from ``h_i = h_j = 3/8 h_k``, tabulated in the tests; outside, the derivative is that of the fit as
-published, with a pole of that strength over the gap. For the exact closure nothing jumps.
+laboratory changes, and it keeps uniaxial flows uniaxial. For the exact closure nothing jumps, and a
+fit is led over to the average at a small gap (`fibermelt.orientation.orthotropic`); but where all
+three coincide it jumps by its departure, of no consequence, as flows leave that state at once.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.orientation.eigen import eigenframe
+from fibermelt.orientation.eigen import ROUNDING, eigenframe
 from fibermelt.orientation.polynomial import LinearLaw
 
 __all__ = ["SAME", "EigenframeLaw", "PrincipalDeviation"]
@@ -40,9 +40,6 @@ itself: both errors of the derivative are 1e-7 or less, of no consequence to a N
 value is off by the square of the gap. Relative, because an exact closure of nearly aligned fibers
 varies on the scale of the two small eigenvalues.
 """
-
-ROUNDING = 1e-12
-"""Gap below which eigenvalues count as equal whatever their size: above their rounding, 1e-15."""
 
 _PAIRS = ((0, 1, 2), (0, 2, 1), (1, 2, 0))
 """Two axes and the third."""

@@ -16,7 +16,7 @@ from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number
 from fibermelt.orientation.flows import strain_and_spin
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
 from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
-from fibermelt.orientation.tensors import checked_orientation, out_of_range, principal
+from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
 __all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
 
@@ -53,24 +53,6 @@ LARGEST_STRAIN = 1.0
 
 MOST_STEPS = 4000
 """Steps and attempts in one interval: beyond, it is longer than any history's."""
-
-MANY_REJECTED, MANY_STEPS = 300, 2000
-"""Attempts in vain, and in all, in one interval from which on a jump of the rate is looked for:
-crossing one, or leaving it, takes some ten; slides that are short enough for 4000 take fewer."""
-
-NEAR_JUMP, NEAR_TOLERANCES = 1e-6, 100.0
-"""Gap of two eigenvalues, over their sum, or over the absolute tolerance, at which they may lie on
-a jump: closures take those within 1e-7 as equal (`fibermelt.orientation.eigenframe.SAME`), and
-steps that are accepted circle around it."""
-
-BESIDE_JUMP = 1e-5
-"""Gap, over their sum, at which the rates beside a jump are taken: off what counts as equal."""
-
-AXES_TRIED = 36
-"""Directions of a pair of axes over half a turn, evenly: of what goes with twice the angle."""
-
-SMALL_GAP = 1e-9
-"""The same where both eigenvalues are zero: above their rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,16 +121,15 @@ def follow_orientation(
         If ``a0`` is no orientation tensor, a tolerance not positive, or the model's diffusion
         negative in this flow where there are no fibers.
     ConvergenceError
-        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000; or at
-        once where two eigenvalues coincide and the closure jumps so that it drives them together
-        from both sides. The message has the time.
+        If a step would fall below 2^-40 of an interval, or an interval takes more than 4000. The
+        message has the time.
 
     Notes
     -----
-    Fitted orthotropic closures (ORF, ORL, ORW, ORW3, and ORE by a twentieth) jump where eigenvalues
-    coincide. If the rates on both sides lead back there the equation has no solution in the
-    ordinary sense: the state slides along the jump, the smaller the tolerance the shorter the
-    steps. Fibers that enter aligned, of which two eigenvalues are zero, begin there.
+    Fitted orthotropic closures (ORF, ORL, ORW, ORW3, and ORE by a twentieth) change by their own
+    error over a gap of two eigenvalues of 1e-5 (`fibermelt.orientation.orthotropic`). A state that
+    their rates keep in there, as fibers may that enter aligned, takes short steps: for a strain of
+    one, up to some 600.
     """
     _check_tolerances(rtol, atol)
     checked_law(model, closure)
@@ -214,12 +195,9 @@ class _Run:
         longest = LARGEST_STRAIN / max(float(self.gradient.strain[k]), LARGEST_STRAIN)
         self.step, self.refusal = min(self.step, longest), ""
         u, added, before = 0.0, np.zeros(a.shape[:-2]), self.steps + self.rejected
-        in_vain = in_a_row = 0
+        in_a_row = 0
         while u < 1.0:
-            moment = float(np.ravel(time[..., k] + u * self.duration[..., k])[0])
             self._check_effort(float(np.ravel(time[..., k])[0]), before)
-            if in_vain >= MANY_REJECTED or self.steps + self.rejected - before >= MANY_STEPS:
-                self._refuse_sliding(a, self.gradient.at(k, u), moment)
             left = 1.0 - u
             parts = np.ceil(left / self.step * (1.0 - 1e-12))
             h = left / parts
@@ -228,7 +206,6 @@ class _Run:
             worst = float(np.max(np.abs(difference) / bound, initial=0.0))
             if not worst <= 1.0:  # a rate that is not a number is refused too
                 self.rejected += 1
-                in_vain += 1
                 in_a_row += 1
                 # a second time means a jump, across which the error goes with h alone
                 order = 0.2 if in_a_row == 1 else 1.0
@@ -258,52 +235,6 @@ class _Run:
                 self.refusal = f"; of the last step that was refused, {error}"
                 return a, rate, np.full_like(a, np.inf)
         return state, rates[-1], dt * _combined(DIFFERENCE, rates)
-
-    def _refuse_sliding(self, a: Array, L: Array, time: float) -> None:
-        """Refuse to go on where the rate jumps and leads back to the jump from beside it."""
-        tensors = a.reshape(-1, 3, 3)
-        gradients = np.broadcast_to(L, a.shape).reshape(-1, 3, 3)
-        values, vectors = principal(tensors)
-        for i in (0, 1):
-            size = np.abs(values[:, i]) + np.abs(values[:, i + 1])
-            apart = values[:, i] - values[:, i + 1]
-            gap = np.maximum(np.maximum(BESIDE_JUMP * size, SMALL_GAP), 10.0 * apart)
-            near = apart <= np.maximum(NEAR_JUMP * size, NEAR_TOLERANCES * self.atol)
-            for k in np.flatnonzero(near):
-                fastest = self._parting(values[k], vectors[k], i, float(gap[k]), gradients[k])
-                if fastest < 0.0:
-                    msg = (
-                        f"orientation with {self.model.name} and closure {self.closure.name}: at "
-                        f"t = {time:.6g} s two eigenvalues are {values[k, i]:.4g}, and the closure "
-                        "jumps there, as fits do, so that it drives them together from every side "
-                        f"(at {-fastest:.2g} 1/s or more): there is no solution but one that "
-                        "slides along the jump. Take a closure that does not jump (ORS, IBOF, "
-                        "exact), or a tolerance that does not see it, e.g. rtol = 1e-5, atol = "
-                        f"1e-7 (here {self.rtol:g}, {self.atol:g})"
-                    )
-                    raise ConvergenceError(msg)
-
-    def _parting(self, values: Array, vectors: Array, i: int, gap: float, L: Array) -> float:
-        """Return how fast eigenvalues i and i + 1 part beside a jump [1/s], the largest rate.
-
-        Of all axes that they may have, those count to which the axes turn: they do so at a rate
-        that grows like the jump over the gap. Infinite if there are none.
-        """
-        angle = np.pi * (np.arange(AXES_TRIED) + 0.5) / AXES_TRIED
-        axes = np.repeat(vectors[None], AXES_TRIED, axis=0)
-        first, second = vectors[:, i], vectors[:, i + 1]
-        axes[:, :, i] = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
-        axes[:, :, i + 1] = np.cos(angle)[:, None] * second - np.sin(angle)[:, None] * first
-        beside = values.copy()
-        beside[i : i + 2] = values[i : i + 2].mean() + 0.5 * gap * np.array([1.0, -1.0])
-        states = (axes * beside) @ axes.swapaxes(-1, -2)
-        rate = axes.swapaxes(-1, -2) @ self.model.rate(states, L, self.closure) @ axes
-        turn, part = rate[:, i, i + 1], rate[:, i, i] - rate[:, i + 1, i + 1]
-        ahead = np.roll(turn, -1)  # half a turn gives the same axes
-        settled = (turn > 0.0) & (ahead < 0.0)
-        share = turn[settled] / (turn - ahead)[settled]
-        there = (1.0 - share) * part[settled] + share * np.roll(part, -1)[settled]
-        return float(np.max(there)) if there.size else np.inf
 
     def _check_effort(self, time: float, before: int) -> None:
         """Refuse to go on where steps have become too small or too many."""

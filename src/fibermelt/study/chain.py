@@ -174,7 +174,7 @@ CHAIN = Chain(
         ),
         Stage(
             "orientation",
-            3,
+            4,
             _ORIENTATION_PARAMETERS,
             ("streamlines",),
             orientation_stage,
