@@ -12,9 +12,10 @@ from fibermelt.fiber import (
     ThinningSpheroid,
     solve_thinning_spheroid,
     unbounded_ellipsoid,
+    unbounded_thinning_spheroid,
 )
 from fibermelt.fiber.cell.spheroid import SpheroidCell
-from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
+from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
 
 COARSE = SpheroidNumerics(layers=4, meridian=5)
 
@@ -138,3 +139,26 @@ def test_elements_that_are_none_are_refused(change: dict[str, float], match: str
 def test_a_fiber_out_of_range_is_refused(aspect_ratio: float) -> None:
     with pytest.raises(ConfigError, match=f"aspect_ratio = {aspect_ratio:g}: .* 1 .* to 50"):
         solve_thinning_spheroid(Spheroid(1.0, aspect_ratio), Newtonian(1.0), 1.0, 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "aspect_ratio", "rate", "degrees"),
+    [
+        (PowerLaw(1.0, 0.42), 3.0, 1.0, 38.0),
+        (CarreauYasuda(10390.0, 0.35, 0.5), 6.0, 2.0, 0.0),
+        (CarreauYasuda(10390.0, 0.35, 0.5), 4.5, 0.7, 52.0),
+        (Cross(4628.0, 0.2694, 30820.0), 6.0, 20.0, 60.0),
+    ],
+)
+def test_the_table_against_direct_solves(
+    law: ViscosityLaw, aspect_ratio: float, rate: float, degrees: float
+) -> None:
+    # between the points of the table; the slope of the Carreau law alone is off by 0.3
+    fiber, phase = Spheroid(1.0, aspect_ratio), float(np.radians(degrees))
+    table = unbounded_thinning_spheroid(fiber, law, (0.1 * rate, 10.0 * rate))
+    found = solve_thinning_spheroid(fiber, law, rate, phase)
+    bound = table.pressure_error * float(np.max(table.largest))
+    assert abs(table.omega(rate, phase) - found.spin) < table.spin_error
+    assert abs(table.lowest_at(rate, phase) - found.lowest) < bound
+    assert abs(-table.lowest_at(rate, phase + np.pi) - found.highest) < bound

@@ -1,9 +1,8 @@
 """Makes the shipped table of a spheroid's answers in power-law melts.
 
 ``python -m fibermelt.fiber.cell.spheroid_table FILE`` solves what FILE (CSV) does not hold yet and
-adds it there, a chain of indices at a time, each from the flow of the larger index before: half a
-minute a chain on a quiet core, 49 chains, and six on finer elements, by which the others' error
-is known. `fibermelt.fiber.thinning_spheroid` reads it.
+adds it there, the indices of one aspect ratio and direction at a time, each from the flow of the
+larger index before: half a minute on a quiet core. `fibermelt.fiber.thinning_spheroid` reads it.
 """
 
 from __future__ import annotations
@@ -35,22 +34,16 @@ same to 1e-5, those of n = 0.25 to 3e-3 (r_e = 6)."""
 SLENDER = 6.0
 """Aspect ratio beyond which a layer more is taken."""
 
-FINER_RATIOS, FINER_PHASES = (1.0, 6.0, 20.0), (0.0, 60.0)
-"""What is solved once more on `FINER` elements."""
-
-FINER = SpheroidNumerics(layers=7, meridian=10, azimuth=6)
-
 
 def make_table(path: Path) -> None:
     """Solve what the file does not hold yet, and add it."""
     path.touch()
     with path.open(newline="", encoding="utf-8") as file:
-        done = {tuple(map(float, row[:3])) for row in csv.reader(file) if row[0] != COLUMNS[0]}
-    if path.stat().st_size == 0:
+        lines = [line for line in file if not line.startswith("#")]
+    done = {tuple(map(float, row[:2])) for row in csv.reader(lines[1:])}
+    if not lines:
         _append(path, [COLUMNS])
-    plain = ((0.0, *at) for at in product(ASPECT_RATIOS, PHASES))
-    finer = ((1.0, *at) for at in product(FINER_RATIOS, FINER_PHASES))
-    for key in (*plain, *finer):
+    for key in product(ASPECT_RATIOS, PHASES):
         if key not in done:
             _append(path, _chain(*key))
 
@@ -60,9 +53,9 @@ def _append(path: Path, rows: list[tuple[str, ...]]) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def _chain(finer: float, aspect_ratio: float, degrees: float) -> list[tuple[str, ...]]:
+def _chain(aspect_ratio: float, degrees: float) -> list[tuple[str, ...]]:
     """Return the rows of all indices at one aspect ratio and one direction."""
-    numerics = FINER if finer else SpheroidNumerics(layers=7 if aspect_ratio > SLENDER else 6)
+    numerics = SpheroidNumerics(layers=7 if aspect_ratio > SLENDER else 6)
     rows, before = [], None
     for index in INDICES:
         law = PowerLaw(1.0, index, PLATEAU)
@@ -71,7 +64,7 @@ def _chain(finer: float, aspect_ratio: float, degrees: float) -> list[tuple[str,
             cell.start_from(before)
         before = cell
         found = cell.solved(1.0, float(np.radians(degrees)))
-        values = (finer, aspect_ratio, degrees, index, found.spin, *_extremes(found))
+        values = (aspect_ratio, degrees, index, found.spin, *_extremes(found))
         rows.append(tuple(f"{value:.8g}" for value in values))
     return rows
 
