@@ -18,6 +18,7 @@ from fibermelt.fiber import (
     surface_pressure,
     unbounded_ellipse,
 )
+from fibermelt.fiber.thinning_motion import _turning
 from fibermelt.history import FlowHistory
 from fibermelt.melt import CarreauYasuda, Newtonian
 
@@ -36,7 +37,7 @@ def table(points: int = 257) -> ThinningResponse:
     return ThinningResponse.from_extremes(6.0, MELT, np.ones(1), *rows)
 
 
-def history(points: int = 300) -> FlowHistory:
+def history(points: int = 300, strength: float = 1.0) -> FlowHistory:
     """Return a path on which stretch, shear and vorticity change."""
     t = np.linspace(0.0, 3.0, points)
     gradient = np.zeros((points, 2, 2))
@@ -45,7 +46,7 @@ def history(points: int = 300) -> FlowHistory:
     gradient[:, 0, 1] = 5.0 * np.cos(t)
     gradient[:, 1, 0] = -3.0 * np.sin(2.0 * t)
     zero = np.zeros((points, 2))
-    return FlowHistory(t, zero, zero + 1.0, gradient, t)
+    return FlowHistory(t, zero, zero + 1.0, strength * gradient, t)
 
 
 def test_a_newtonian_table_is_the_linear_fiber() -> None:
@@ -69,6 +70,17 @@ def test_a_newtonian_table_is_the_linear_fiber() -> None:
         assert np.max(np.abs(gap)) < 1e-5 * largest, name
 
 
+@pytest.mark.parametrize("strength", [1.0, 6.0])
+def test_steep_intervals_are_integrated_for_the_fibers_themselves(strength: float) -> None:
+    path, found = history(12, strength), table()
+    assert np.any(_turning(path, found, 1e-6).steep) == (strength == 6.0)
+    angles = np.linspace(-7.0, 9.0, 33)  # more than a turn
+    motion = follow(path, found, angles)
+    linear = follow(path, LINEAR.shape_factor, angles)
+    # the integration's tolerance
+    assert np.max(np.abs(motion.angle - linear.angle)) < 1e-6
+
+
 def test_quantiles_are_those_without_a_sample() -> None:
     path = history()
     found = isotropic_pressure(path, table(), MELT, 1.5)
@@ -82,6 +94,13 @@ def test_quantiles_are_those_without_a_sample() -> None:
         slack = 1e-4 * np.max(np.abs(values))
         assert np.all(values >= getattr(low, name) - slack), name
         assert np.all(values <= getattr(high, name) + slack), name
+
+
+def test_a_few_directions_are_enough_for_a_table() -> None:
+    # lowest and highest pressure are one smooth function over half a turn
+    coarse, fine, phase = table(13), table(257), np.linspace(0.0, 2.0 * np.pi, 301)
+    gap = np.abs(coarse.lowest_at(1.0, phase) - fine.lowest_at(1.0, phase))
+    assert np.max(gap) < 6e-5 * fine.largest[0]
 
 
 def test_an_orbit_is_jefferys() -> None:

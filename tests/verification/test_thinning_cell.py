@@ -199,7 +199,9 @@ def test_table_against_direct_solves() -> None:
     pressure, turn = worst_gap(table, cell, random_points(20, -1.9, 1.9))
     assert pressure < 5e-3
     assert pressure < 1.5 * table.pressure_error
-    assert turn < 1e-4
+    # largest beyond the last rate, where the law is within FLAT of a power law
+    assert turn < 2e-4
+    assert turn < 1.5 * table.spin_error
 
 
 def test_points_are_shared_out_in_any_way() -> None:

@@ -51,6 +51,9 @@ READINGS = 8
 CHECKS = 4
 """Directions between those of a table of one rate that its estimate solves for."""
 
+BEYOND = 3.0
+"""How far beyond its first and last rate, where it holds their answers, a table is compared."""
+
 FINER = 2
 """Orders that the estimate of the elements' error takes more."""
 
@@ -82,7 +85,7 @@ def solve_thinning(
     numerics : CellNumerics, optional
         Order, spacings, pressure level; `THINNING_NUMERICS` if not given. With ``estimate`` the
         table is compared with cells solved in the middle between its points, one at each rate, and
-        with cells two orders higher.
+        beyond its rates, and with cells two orders higher.
     rates : (2,) tuple of float, optional
         Lowest and highest ``gamma_dot`` [1/s] that will be asked for, or one rate twice; all if not
         given. A power law has the same answer at every rate.
@@ -135,7 +138,7 @@ def _cell_law(law: ViscosityLaw) -> ViscosityLaw:
 
 
 def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point], list[Point]]:
-    """Return the points between those of a table that it is compared at, and some of its own."""
+    """Return the points beside those of a table that it is compared at, and some of its own."""
     middle = 0.5 * (phases[1:] + phases[:-1])
     if rates.size == 1:
         chosen = np.unique(np.rint(np.linspace(0, middle.size - 1, CHECKS)).astype(np.intp))
@@ -147,6 +150,13 @@ def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point]
             (float(rate), float(phase))
             for rate, phase in zip(np.sqrt(rates[1:] * rates[:-1]), middle[chosen], strict=True)
         ]
+        low, high = bending_rates(law)
+        ends = [
+            (rates[0] / BEYOND, rates[0] <= low * (1 + 1e-9)),
+            (rates[-1] * BEYOND, rates[-1] >= high * (1 - 1e-9)),
+        ]
+        half = float(middle[middle.size // 2])
+        between += [(float(rate), half) for rate, is_held in ends if is_held]
     steepest = float(rates[np.argmin(law.index_at(rates))])
     return between, [(steepest, float(phases[k])) for k in (0, phases.size // 2, -1)]
 

@@ -1,0 +1,68 @@
+"""The table of a fiber in a thinning melt, and fibers that follow it.
+
+Each figure is a ratio of processor times measured in one run: of a table over the default cell of a
+Newtonian melt (two flows and the estimate), of the quantiles over the paper's 13 fibers. Where the
+time of a table goes: 40 % assembly of the tangent, 40 % its factorisation; half a cell halves both,
+and Newton from the stress takes 2 to 5 steps, without a neighbour, where it took 4 to 12 with one.
+"""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+import fibermelt as fm
+from fibermelt.fiber import follow, isotropic_angles, paper_angles, solve_cell, solve_thinning
+from fibermelt.fiber.paths import PathBundle
+from fibermelt.history import FlowHistory
+from fibermelt.melt import CarreauYasuda, PowerLaw, ViscosityLaw
+
+FIBER, CELL = fm.Ellipse(1.0, 6.0), 4.0
+
+
+def spent(work: Callable[[], object]) -> float:
+    """Return the processor time [s] of a call, that of its processes included."""
+
+    def used() -> float:
+        whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+        usage = [resource.getrusage(who) for who in whose]
+        return sum(one.ru_utime + one.ru_stime for one in usage)
+
+    before = used()
+    work()
+    return used() - before
+
+
+@pytest.mark.parametrize(
+    "law", [PowerLaw(8213.0, 0.5), CarreauYasuda(10390.0, 0.35, 0.5)], ids=["power", "carreau"]
+)
+def test_thinning_table(benchmark: BenchmarkFixture, law: ViscosityLaw) -> None:
+    cell = min(spent(lambda: solve_cell(FIBER, CELL)) for _ in range(3))
+    table = spent(lambda: solve_thinning(FIBER, CELL, law))
+    print(f"\ntable: {table / cell:.0f} Newtonian cells ({table:.0f} s of processors)")
+    benchmark.extra_info |= {"newtonian_cells": table / cell}
+    benchmark.pedantic(lambda: solve_cell(FIBER, CELL), rounds=1)
+
+
+def test_thinning_fibers(benchmark: BenchmarkFixture) -> None:
+    law = PowerLaw(8213.0, 0.5)
+    table = solve_thinning(FIBER, CELL, law)
+    t = np.linspace(0.0, 3.0, 400)
+    paths = []
+    for strength in np.linspace(1.0, 3.0, 22):
+        gradient = np.zeros((t.size, 2, 2))
+        gradient[:, 0, 0] = 0.75 * strength * np.sin(3.0 * t)
+        gradient[:, 1, 1] = -gradient[:, 0, 0]
+        gradient[:, 0, 1] = 12.5 * strength * np.cos(t)
+        zero = np.zeros((t.size, 2))
+        paths.append(FlowHistory(t, zero, zero + 1.0, gradient, t))
+    bundle = PathBundle(paths)
+    few = spent(lambda: follow(bundle, table, paper_angles()))
+    many = spent(lambda: follow(bundle, table, isotropic_angles(200)))
+    print(f"\n200 fibers after 13: {many / few:.2f} of their time ({few:.2f} s)")
+    benchmark.extra_info |= {"quantiles_over_fibers": many / few, "fibers": few}
+    benchmark.pedantic(lambda: follow(bundle, table, paper_angles()), rounds=1)
