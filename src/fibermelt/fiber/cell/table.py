@@ -17,7 +17,7 @@ from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.cell_surface import lagrange_matrix
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.thinning import ThinningResponse, table_rates
+from fibermelt.fiber.thinning import ThinningResponse, bending_rates, table_rates
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.threads import exclusive
 
