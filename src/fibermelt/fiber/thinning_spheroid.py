@@ -98,7 +98,7 @@ LOCAL_INDEX_ERROR = (0.006, 0.022)
 """What the spin, and extremes over the largest pressure, of a melt that is no power law may be off:
 the most by which 19 solutions of a Cross (index 0.27) and a Carreau melt (0.35) at and around their
 bends differed from it, ``r_e`` 2.5, 6 and 20, ``phi`` 0, 60 and 90 degrees. With the slope of the
-law at the far field's rate alone the lowest pressure was off by 0.3 at ``r_e`` = 6, by 1.1 at 20."""
+law at the far field's rate alone the lowest pressure was off by 0.3 (``r_e`` = 6) and 1.1 (20)."""
 
 ROUNDING = 1e-9
 """What an index may be above one, or an aspect ratio beyond the table's ends."""
