@@ -22,7 +22,7 @@ from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw
 PHASES = np.linspace(0.0, 2.0 * np.pi, 41)
 
 
-@pytest.mark.parametrize("aspect_ratio", [1.0, 3.3, 10.0])
+@pytest.mark.parametrize("aspect_ratio", [1.0, 3.3, 20.0])
 def test_index_one_is_the_closed_form(aspect_ratio: float) -> None:
     fiber = Spheroid(42e-6, aspect_ratio)
     found, exact = unbounded_thinning_spheroid(fiber, Newtonian(817.0)), unbounded_spheroid(fiber)
@@ -30,7 +30,7 @@ def test_index_one_is_the_closed_form(aspect_ratio: float) -> None:
     strain = embed_planar(np.moveaxis(np.array([[c, s], [s, -c]]), -1, 0))
     lowest, _ = exact.extreme_values(strain, [1.0, 0.0, 0.0])
     # linear between the knots of the phase
-    assert found.lowest_at(1.0, PHASES) == pytest.approx(lowest, rel=1e-5)
+    assert found.lowest_at(1.0, PHASES) == pytest.approx(lowest, rel=2e-5)
     tip = exact.tip(strain, [1.0, 0.0, 0.0])
     assert found.tip_at(1.0, PHASES) == pytest.approx(tip, abs=1e-5 * np.max(tip))
     assert found.omega(1.0, PHASES) == pytest.approx(exact.shape_factor * s, abs=1e-12)
@@ -81,8 +81,8 @@ def test_the_highest_shear_rate_on_a_sphere() -> None:
 def test_errors_are_small_and_known_everywhere() -> None:
     errors = spheroid_table().errors
     assert np.max(errors["spin"]) < 2e-3
-    # a sphere's directions differ by 2 % at the lowest index
-    assert max(np.max(errors["lowest"]), np.max(errors["highest"])) < 0.025
+    # a sphere's directions differ by 2 % at the lowest index, where r_e = 20 bends most, too
+    assert max(np.max(errors["lowest"]), np.max(errors["highest"])) < 0.03
     assert np.max(errors["lowest"][2:]) < 0.015
     for part in errors.values():
         assert np.all(part[:-1] > 0)
