@@ -300,7 +300,7 @@ def test_sources_follow_what_ran() -> None:
     assert "jeffery1922" in keys(fiber={"model": "spheroid"})
     assert "zhang2011" not in keys(fiber={"model": "spheroid"})
     assert "jeffery1922" in keys(study={"parts": ["orbits"]})
-    assert not {"folgar1984", "verweyst1998", "bell2014"} & keys()
+    assert not {"folgar1984", "verweyst1998", "wagner2000"} & keys()
     assert {"folgar1984", "verweyst1998", "bay1991"} <= keys(fiber={"domain_size": "from-content"})
     other = keys(
         study={"parts": ["bead", "orientation"]},
@@ -312,7 +312,7 @@ def test_sources_follow_what_ran() -> None:
     assert "bay1991" not in given
     assert {"verweyst1998", "cintra1995", "chung2002", "carlson1979"} <= given
     wet = keys(study={"parts": ["bead", "voids"]})
-    assert {"roychowdhury2001", "blander1975", "bell2014"} <= wet
+    assert {"roychowdhury2001", "blander1975", "wagner2000"} <= wet
     assert "sugden1924" not in wet
 
 

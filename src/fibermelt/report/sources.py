@@ -135,7 +135,7 @@ USES = (
     Use("roychowdhury2001", "the pressure below which a bubble can grow", _voids),
     Use("colton1987", "vapor pressure of moisture, and nucleation at a surface", _voids),
     Use("blander1975", "the classical rate of nucleation", _voids),
-    Use("bell2014", "saturation pressure of water", _voids),
+    Use("wagner2000", "saturation pressure of water", _voids),
     Use(
         "sugden1924",
         "surface tension from the parachor",

@@ -7,6 +7,7 @@ __all__ = [
     "AVOGADRO",
     "BOLTZMANN",
     "GAS_CONSTANT",
+    "ICE_POINT",
     "WATER_CRITICAL",
     "WATER_MOLAR_MASS",
     "WATER_MOLECULE",
@@ -30,6 +31,9 @@ WATER_MOLAR_MASS = 0.018015268
 
 WATER_MOLECULE = WATER_MOLAR_MASS / AVOGADRO
 """Mass of a molecule of water [kg]."""
+
+ICE_POINT = 273.15
+"""Zero of the Celsius scale [K], exact."""
 
 WATER_TRIPLE = 273.16
 """Triple point of water [K]: below, ice and not water is in equilibrium with the vapor."""
