@@ -135,7 +135,7 @@ def implied(files: dict[str, str], commands: list[str]) -> list[str]:
             continue
         tables = tomllib.loads(text)
         if "name" in tables:
-            # fibers are known in a Newtonian melt only; where it thins the mesh must be finer
+            # a table of fibers in a melt that thins takes a minute; the mesh must be finer there
             how = (
                 "-s 'study.parts=[\"orientation\"]' -s numerics.contact_edge=0.05 "
                 "-s numerics.surface_edge=0.1"
