@@ -122,5 +122,5 @@ def test_a_melt_off_the_table_is_refused() -> None:
     found = unbounded_thinning_spheroid(fiber, steep, (0.01, 0.5))
     with pytest.raises(ConfigError, match="table holds"):
         found.lowest_at(50.0, 0.0)
-    with pytest.raises(ConfigError, match="must be positive and increase"):
+    with pytest.raises(ConfigError, match="must be positive and not fall"):
         unbounded_thinning_spheroid(fiber, Cross(4628.0, 0.2694, 30820.0), (3.0, 1.0))

@@ -130,9 +130,10 @@ def _numerics(parameters: Parameters) -> CellNumerics:
 
 def thinning_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved in a melt that thins."""
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.cell.table import THINNING_NUMERICS  # noqa: PLC0415  lazy: see the module
 
-    return CellNumerics(
+    return replace(
+        THINNING_NUMERICS,
         order=parameters["numerics.thinning_order"],
         pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
     )
