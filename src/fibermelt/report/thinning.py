@@ -37,6 +37,9 @@ __all__ = ["figure_thinning", "thinning", "thinning_words"]
 MM, MPA = 1e3, 1e-6
 """From metres and pascals."""
 
+ROOM = 1.1
+"""Upper end of a scale over the largest value, for its mark."""
+
 CAUSES = {
     "flow": ("the flow alone", BLUE),
     "fiber": ("the fiber's own melt alone", ORANGE),
@@ -111,7 +114,7 @@ def _peak(axes: Axes, laws: list[dict[str, Any]]) -> None:
         _, dashes, mark = MODELS[model]
         peak = [law[model]["peak"] for law in laws]
         axes.plot(index, peak, color=INK, linestyle=dashes, marker=mark, markersize=3.5)
-    axes.set_ylim(0.0, None)
+    axes.set_ylim(0.0, ROOM * max(law[model]["peak"] for model in _models(laws) for law in laws))
     axes.tick_params(labelbottom=False)
 
 
@@ -119,7 +122,7 @@ def _flow(axes: Axes, laws: list[dict[str, Any]]) -> None:
     index = _axis(axes, laws)
     inlet = [MPA * law["inlet_pressure"] for law in laws]
     axes.plot(index, inlet, color=INK, marker="s", markersize=3.5)
-    axes.set_ylim(0.0, None)
+    axes.set_ylim(0.0, ROOM * max(inlet))
     axes.set_ylabel("[MPa]")
     axes.set_xlabel("index of the power law")
 
@@ -146,8 +149,9 @@ def thinning_words(results: xr.Dataset) -> Words:
         ),
         alt=(
             "Three panels over the index of a power law, from 1 to "
-            f"{last['index']:g}. Lowest pressures on fibers rise as the melt thins: {told}. "
-            "The pressure in simple shear and at the inlet falls."
+            f"{last['index']:g}. Lowest pressures on fibers, absolute, as the melt thins: {told}. "
+            "The pressure in simple shear falls, that at the inlet goes from "
+            f"{_mpa(first['inlet_pressure'])} to {_mpa(last['inlet_pressure'])} MPa."
         ).replace("-", "−"),
     )
 
