@@ -170,32 +170,37 @@ def thinning(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         "differs. A fiber makes rates of its own around it, which thin its melt further: the "
         "viscosity that the flow has there is not enough to tell its pressure.</p>\n"
     )
-    columns = [
+    columns = (
         Column("Index"),
         Column("Viscosity at 1 1/s", "Pa s"),
         Column("Inlet pressure", "MPa"),
         Column("Contact point", "mm"),
-    ]
-    models = _models(laws)
-    for model in models:
-        name = MODELS[model][0].capitalize()
-        columns += [
-            Column(f"{name}: turn × rate"),
-            Column("peak over ηγ̇"),
-            *(Column(f"lowest below the nozzle, {said}", "MPa") for said, _ in CAUSES.values()),
-            Column("of any direction, both", "MPa"),
-        ]
+    )
     rows = [
         (
             short(law["index"]),
             number(law["consistency"], 4),
             fixed(MPA * law["inlet_pressure"], 3),
             fixed(MM * law["contact_point"], 3),
-            *(cell for model in models for cell in _cells(law[model])),
         )
         for law in laws
     ]
-    return words + table("The same bead with melts that thin", columns, rows)
+    tables = [table("The bead with melts that thin", columns, rows)]
+    return words + Markup().join([*tables, *(_of_fibers(laws, model) for model in _models(laws))])
+
+
+def _of_fibers(laws: list[dict[str, Any]], model: str) -> Markup:
+    """Return the table of one model of a fiber."""
+    columns = (
+        Column("Index"),
+        Column("Turn × rate"),
+        Column("Peak over ηγ̇"),
+        *(Column(f"Thins: {said}", "MPa") for said, _ in CAUSES.values()),
+        Column("Any direction, both", "MPa"),
+    )
+    rows = [(short(law["index"]), *_cells(law[model])) for law in laws]
+    caption = f"{MODELS[model][0].capitalize()}: in simple shear, and the lowest pressure below the nozzle"
+    return table(caption, columns, rows)
 
 
 def _cells(one: Mapping[str, Any]) -> list[str]:
