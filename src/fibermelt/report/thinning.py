@@ -199,8 +199,8 @@ def _of_fibers(laws: list[dict[str, Any]], model: str) -> Markup:
         Column("Any direction, both", "MPa"),
     )
     rows = [(short(law["index"]), *_cells(law[model])) for law in laws]
-    caption = f"{MODELS[model][0].capitalize()}: in simple shear, and the lowest pressure below the nozzle"
-    return table(caption, columns, rows)
+    name = MODELS[model][0].capitalize()
+    return table(f"{name}: in simple shear, and lowest below the nozzle", columns, rows)
 
 
 def _cells(one: Mapping[str, Any]) -> list[str]:
