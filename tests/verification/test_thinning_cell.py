@@ -10,8 +10,13 @@ import pytest
 from fibermelt.fiber import Ellipse, ThinningResponse, unbounded_ellipse
 from fibermelt.fiber.cell.mesh import curved_mesh, sample_nodes
 from fibermelt.fiber.cell.stokes import solve_modes
-from fibermelt.fiber.cell.table import THINNING_NUMERICS, solve_thinning, surface_extremes
-from fibermelt.fiber.cell.thinning import ThinningCell, strain_of_stress
+from fibermelt.fiber.cell.table import solve_thinning, surface_extremes
+from fibermelt.fiber.cell.thinning import (
+    THINNING_NUMERICS,
+    ThinningCell,
+    strain_of_stress,
+    thinning_flow_around,
+)
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
 
@@ -209,3 +214,27 @@ def test_points_are_shared_out_in_any_way() -> None:
     one, two = (solve_thinning(FIBER, CELL, law, numerics, phases=5, workers=k) for k in (1, 2))
     assert np.allclose(one.pressure, two.pressure, rtol=0.0, atol=1e-9)
     assert np.allclose(one.spin, two.spin, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("law", [Newtonian(3.0), PowerLaw(8213.0, 0.5, 1e-3)])
+def test_the_flow_around_a_fiber(law: ViscosityLaw) -> None:
+    """It is rigid on the fiber, the far field on the edge, and opposite at opposite points."""
+    phase, rate = 0.7, 40.0
+    around = thinning_flow_around(FIBER, CELL, law, rate, phase)
+    answer = ThinningCell(FIBER, CELL, law, THINNING_NUMERICS).answer(rate, phase)
+    x, u = around.points, around.velocity
+    strain = np.array([[np.cos(phase), np.sin(phase)], [np.sin(phase), -np.cos(phase)]])
+    assert around.spin == pytest.approx(answer.spin, rel=1e-10)
+    order = THINNING_NUMERICS.order
+    net = x.reshape(2 * answer.pressure.size, -1, 2)
+    velocity, pressure = u.reshape(net.shape), around.pressure.reshape(net.shape[:2])
+    # the curve is projected on, to 1e-9
+    rigid = answer.spin * np.stack([-net[:, 0, 1], net[:, 0, 0]], axis=-1)
+    assert np.abs(velocity[:, 0] - rigid).max() < 1e-8
+    assert np.abs(velocity[:, -1] - net[:, -1] @ strain).max() < 1e-8
+    half = len(net) // 2
+    np.testing.assert_array_equal(pressure[half:], pressure[:half])
+    np.testing.assert_allclose(pressure[:half, 0], answer.pressure, atol=1e-8)
+    np.testing.assert_array_equal(net[half:], -net[:half])
+    assert around.element_edges.shape[1] == order + 1
+    assert around.cells.max() == len(x) - 1

@@ -1,6 +1,6 @@
 """The fiber: its shape, its motion along a flow history, the pressure on its surface.
 
-Only `solve_cell`, `solve_thinning`, `solve_thinning_spheroid` and `build_system` need the finite
+Only what `fibermelt.fiber.cell` has, such as `solve_cell` and `solve_thinning`, needs the finite
 elements; they are loaded when first named.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution, CellSystem
+from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution, CellSystem, FlowAround
 from fibermelt.fiber.directions import (
     equal_area_directions,
     jeffery_director,
@@ -89,10 +89,12 @@ from fibermelt.fiber.tumbling import Tumbling, tumble, turn_times, turned_angle
 
 if TYPE_CHECKING:
     from fibermelt.fiber.cell import (
+        ThinningFiber,
         build_system,
         solve_cell,
         solve_thinning,
         solve_thinning_spheroid,
+        thinning_flow_around,
     )
 
 __all__ = [
@@ -110,6 +112,7 @@ __all__ = [
     "Extremes",
     "FiberModel",
     "FiberResponse",
+    "FlowAround",
     "GradientPath",
     "IsotropicPressure",
     "LocalViscosity",
@@ -124,6 +127,7 @@ __all__ = [
     "StallCurve",
     "SurfaceExtremes",
     "SurfacePressure",
+    "ThinningFiber",
     "ThinningMotion",
     "ThinningPressure",
     "ThinningResponse",
@@ -169,6 +173,7 @@ __all__ = [
     "stall_curve",
     "statistics",
     "surface_pressure",
+    "thinning_flow_around",
     "tumble",
     "turn_times",
     "turned_angle",
@@ -182,9 +187,20 @@ __all__ = [
 ]
 
 
+OF_CELLS = (
+    "ThinningFiber",
+    "build_system",
+    "solve_cell",
+    "solve_thinning",
+    "solve_thinning_spheroid",
+    "thinning_flow_around",
+)
+"""What needs the finite elements."""
+
+
 def __getattr__(name: str) -> Any:
     """Load the finite elements when a cell is asked for."""
-    if name in ("build_system", "solve_cell", "solve_thinning", "solve_thinning_spheroid"):
+    if name in OF_CELLS:
         from fibermelt.fiber import cell  # noqa: PLC0415  # a second's import, on demand only
 
         return getattr(cell, name)

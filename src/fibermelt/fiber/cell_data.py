@@ -13,7 +13,7 @@ from fibermelt.errors import ConfigError, refuse_no_count, refuse_no_number
 from fibermelt.fiber.cell_paper import PAPER_ORDER
 from fibermelt.fiber.response import FiberResponse
 
-__all__ = ["CellError", "CellNumerics", "CellSolution", "CellSystem"]
+__all__ = ["CellError", "CellNumerics", "CellSolution", "CellSystem", "FlowAround"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -194,6 +194,37 @@ class CellSolution:
         Over every orientation, which is an orbit if the fiber tumbles and half a turn if it stalls.
         """
         return self.response.tip_pressure
+
+
+@dataclass(frozen=True, eq=False)
+class FlowAround:
+    """The flow around a confined fiber at one strain ``D`` of size ``d``, in its axes, to be drawn.
+
+    Lengths are in half-lengths ``a``, velocities over ``a d``, pressures over ``eta d`` at the far
+    field's rate; the far field has no spin.
+
+    Parameters
+    ----------
+    points : (N, 2) array
+        Nodes.
+    cells : (n_cells, 3) integer array
+        Triangles between them, counter-clockwise.
+    element_edges : (n_edges, k) integer array
+        Nodes along each curved edge of the elements.
+    velocity : (N, 2) array
+        Velocity there.
+    pressure : (N,) array
+        Pressure less the far field's.
+    spin : float
+        Of the fiber.
+    """
+
+    points: Array
+    cells: Index
+    element_edges: Index
+    velocity: Array
+    pressure: Array
+    spin: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from fibermelt.fiber.cell.solve import solve_cell
 from fibermelt.fiber.cell.spheroid import solve_thinning_spheroid
 from fibermelt.fiber.cell.system import build_system
 from fibermelt.fiber.cell.table import solve_thinning
+from fibermelt.fiber.cell.thinning import thinning_flow_around
 
 __all__ = [
     "ThinningFiber",
@@ -22,4 +23,5 @@ __all__ = [
     "solve_cell",
     "solve_thinning",
     "solve_thinning_spheroid",
+    "thinning_flow_around",
 ]

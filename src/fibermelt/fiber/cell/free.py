@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.fiber.cell.table import THINNING_NUMERICS, surface_nodes
-from fibermelt.fiber.cell.thinning import ThinningCell
+from fibermelt.fiber.cell.table import surface_nodes
+from fibermelt.fiber.cell.thinning import THINNING_NUMERICS, ThinningCell
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.paths import strain_polar
 from fibermelt.fiber.shape import Ellipse

@@ -23,7 +23,7 @@ from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.threads import exclusive
 
-__all__ = ["cell_grid", "solve_cell"]
+__all__ = ["cell_grid", "drawing", "solve_cell"]
 
 Index = NDArray[np.intp]
 
@@ -74,7 +74,7 @@ def solve_cell(
     estimate = None
     if numerics.estimate:
         estimate = _compare(response, _finer(fiber, domain_size, numerics))
-    cells, edges = _drawing(mesh)
+    cells, edges = drawing(mesh)
     return CellSolution(
         response=response,
         domain_size=domain_size,
@@ -159,7 +159,7 @@ def _compare(coarse: FiberResponse, fine: FiberResponse) -> CellError:
     )
 
 
-def _drawing(mesh: CurvedMesh) -> tuple[Index, Index]:
+def drawing(mesh: CurvedMesh) -> tuple[Index, Index]:
     """Return triangles and element edges of the sampled nodes, as flat indices."""
     grid, order = mesh.grid, mesh.order
     around, outward = grid.columns * order, grid.rows * order + 1

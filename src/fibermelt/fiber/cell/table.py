@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber.cell.thinning import CellAnswer, thinning_grid
+from fibermelt.fiber.cell.thinning import THINNING_NUMERICS, CellAnswer, thinning_grid
 from fibermelt.fiber.cell.worker import Answers, Point, Task, solve_tasks
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.cell_grid import CellGrid
@@ -21,14 +21,9 @@ from fibermelt.fiber.thinning import ThinningResponse, bending_rates, table_rate
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.threads import exclusive
 
-__all__ = ["THINNING_NUMERICS", "solve_thinning"]
+__all__ = ["solve_thinning"]
 
 Array = NDArray[np.float64]
-
-THINNING_NUMERICS = CellNumerics(order=5, angular_spacing=0.4, radial_spacing=1.0)
-"""How a thinning cell is solved: its grid is ten times sharper than a Newtonian one, but not finer.
-Extremes are then within 6e-4 of the largest pressure at order 7 on twice as many columns and rows
-(n = 0.35, M = 4, r_e = 6); with columns of 0.6 the highest, beyond the flanks, is off by 8e-3."""
 
 PHASES = 13
 """Directions in a quarter turn: every 7.5 degrees. Cubics between them are off by 5e-4 of the

@@ -130,7 +130,7 @@ def _numerics(parameters: Parameters) -> CellNumerics:
 
 def thinning_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved in a melt that thins."""
-    from fibermelt.fiber.cell.table import THINNING_NUMERICS  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415  lazy: see the module
 
     return replace(
         THINNING_NUMERICS,

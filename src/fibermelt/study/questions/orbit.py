@@ -275,7 +275,7 @@ def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
 
         return unbounded_thinning_spheroid(Spheroid(1.0, study.aspect_ratio), law, rates)
     from fibermelt.fiber.cell import solve_cell, solve_thinning  # noqa: PLC0415  a second's import
-    from fibermelt.fiber.cell.table import THINNING_NUMERICS  # noqa: PLC0415
+    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
     from fibermelt.fiber.thinning import UNBOUNDED_SIZE  # noqa: PLC0415
 
