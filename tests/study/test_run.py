@@ -85,6 +85,9 @@ def test_the_summary(finished):
         "newton_steps",
         "unknowns",
         "elements",
+        "lowest_viscosity",
+        "highest_rate",
+        "outside_law",
     }
     assert [line["index"] for line in summary["streamlines"]] == [1, 2, 3, 4]
     assert set(summary["streamlines"][0]) == {
