@@ -44,10 +44,6 @@ COMPUTES = {"run", "sweep"}
 ELSEWHERE = {"--scheduler": "needs a cluster"}
 """What cannot be run here, and why."""
 
-LOOKS = {"validate", "plan", "defaults"}
-"""Commands that compute nothing: those of docs/sweeps.md that are run, whose sweeps take minutes
-however thin; `test_sweep_cli` and its neighbours run theirs on a chain that costs nothing."""
-
 REFUSED = {"fibermelt validate paper -s flow.gap=3.5": "must be at most 1 m"}
 """Commands that a page shows for the answer that they are wrong."""
 
@@ -182,8 +178,6 @@ def test_commands_of_a_page_run(
         if any(word in line for word in ELSEWHERE):
             continue
         words = typed(line)
-        if page.name == "sweeps.md" and words[0] not in LOOKS:
-            continue
         ask = (line, *(text for name, text in files.items() if name in line))
         if ask in done_before:
             continue
