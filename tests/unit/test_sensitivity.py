@@ -241,7 +241,7 @@ def test_the_studys_own_cell_is_taken() -> None:
     """A confined fiber that the study solved already is not solved again, nor differently."""
     from fibermelt.fiber import unbounded_ellipse  # noqa: PLC0415  stands in for a cell
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-    from fibermelt.study.sensitivity.dimensions import _models  # noqa: PLC0415
+    from fibermelt.study.sensitivity.dimensions import fiber_models  # noqa: PLC0415
     from fibermelt.study.variables import labelled  # noqa: PLC0415
 
     response = unbounded_ellipse(Ellipse(1.0, 6.0))
@@ -254,6 +254,6 @@ def test_the_studys_own_cell_is_taken() -> None:
             "surface_basis": response.basis,
         }
     )
-    models = _models(Parameters(PARAMETERS), cell, 4.0)
+    models = fiber_models(Parameters(PARAMETERS), cell, 4.0)
     assert [model.name for model in models] == ["confined-ellipse", "ellipse", "spheroid"]
     assert models[0].response.shape_factor == 1.25

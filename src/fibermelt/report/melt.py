@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,7 +20,7 @@ from fibermelt.report.style import (
     styled,
 )
 from fibermelt.report.tables import number
-from fibermelt.study.bead.summary import outside
+from fibermelt.study.bead.summary import melt_met
 from fibermelt.study.loading import resolve
 from fibermelt.study.melt import melt_of
 from fibermelt.study.variables import study_of
@@ -86,16 +86,12 @@ def figure_melt(results: xr.Dataset) -> Figure:
 
 def melt_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_melt`."""
-    melt = _melt(results)
-    regular = results.isel(streamline=results["near_singularity"].to_numpy() == 0)
-    told = regular if regular.sizes["streamline"] else results
-    lowest, highest = (
-        number(float(value), 3) for value in (told["viscosity"].min(), told["shear_rate"].max())
-    )
+    melt, met = _melt(results), melt_met(results)
+    lowest, highest = (number(met[name], 3) for name in ("lowest_viscosity", "highest_rate"))
     if melt.rates is None:
         range_ = "Nobody says at which rates the law was measured."
     else:
-        share = PERCENT * outside(results, *melt.rates)
+        share = PERCENT * cast("float", met["outside_law"])
         slow, fast = (number(rate, 3) for rate in melt.rates)
         range_ = (
             f"The law was measured from {slow} to {fast} 1/s: {number(share, 2)} % of the melt's "

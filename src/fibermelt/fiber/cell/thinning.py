@@ -47,6 +47,7 @@ __all__ = [
     "strain_of_stress",
     "thinning_flow_around",
     "thinning_grid",
+    "torque_free_step",
 ]
 
 Array = NDArray[np.float64]
@@ -133,6 +134,37 @@ def strain_of_stress(law: ViscosityLaw, stress: Array, strain: Array) -> Array:
         if np.max(np.abs(step)) <= INVERSION_TOLERANCE:
             break
     return np.asarray(stress * (0.5 * np.exp(rate - wanted)))
+
+
+def torque_free_step(
+    space: Any, free: Any, tangent: Any, residual: Any, turn: Any, torque: float = 0.0
+) -> tuple[Any, float]:
+    """Return Newton's step of a flow and of the spin of a fiber in it, closed by virtual work.
+
+    Parameters
+    ----------
+    space, free, tangent, residual
+        The flow's space, the projector on its free unknowns, the tangent, assembled and condensed,
+        and the residual.
+    turn : vector
+        The fiber turning at unit rate, zero elsewhere.
+    torque : float
+        On the fiber, of the part of it that the space has.
+    """
+    inverse = tangent.mat.Inverse(space.FreeDofs(coupling=True), inverse="sparsecholesky")
+    load = (-1.0 * (free * residual)).Evaluate()
+    reduced = load.Copy()
+    reduced.data += tangent.harmonic_extension_trans * reduced
+    step = (inverse * reduced).Evaluate()
+    step.data += tangent.harmonic_extension * step
+    step.data += tangent.inner_solve * load
+    turning = (-1.0 * (inverse * (tangent.mat * turn))).Evaluate()
+    turning.data += turn
+    resistance = ng.InnerProduct(turn, (tangent.mat * turning).Evaluate())
+    turning.data += tangent.harmonic_extension * turning
+    spin = float((torque - ng.InnerProduct(residual, turning)) / resistance)
+    step.data += spin * turning
+    return step, spin
 
 
 class ThinningCell:
@@ -301,22 +333,11 @@ class ThinningCell:
     def _step(self, law: ViscosityLaw, held: Array, torque: float) -> tuple[Array, Array]:
         """Take Newton's step of flow and spin; return the stress that balances, and the strain."""
         viscosity, slope = self._hold(law, held)
-        tangent, residual, turn = self.tangent, self.residual.vec, self.turn
-        tangent.Assemble()
-        coupling = self.space.FreeDofs(coupling=True)
-        inverse = tangent.mat.Inverse(coupling, inverse="sparsecholesky")
-        load = (-1.0 * (self.free * residual)).Evaluate()
-        reduced = load.Copy()
-        reduced.data += tangent.harmonic_extension_trans * reduced
-        step = (inverse * reduced).Evaluate()
-        step.data += tangent.harmonic_extension * step
-        step.data += tangent.inner_solve * load
-        turning = (-1.0 * (inverse * (tangent.mat * turn))).Evaluate()
-        turning.data += turn
-        resistance = ng.InnerProduct(turn, (tangent.mat * turning).Evaluate())
-        turning.data += tangent.harmonic_extension * turning
-        spin = float((0.5 * torque - ng.InnerProduct(residual, turning)) / resistance)
-        self.flow.vec.data += step + spin * turning
+        self.tangent.Assemble()
+        step, spin = torque_free_step(
+            self.space, self.free, self.tangent, self.residual.vec, self.turn, 0.5 * torque
+        )
+        self.flow.vec.data += step
         self.spin += spin
         found = self._strain_at_points()
         ahead = WEIGHTS @ (held * (found - held))

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 from fibermelt.errors import ConvergenceError
 from fibermelt.fiber.cell.mesh import EXTRA_QUADRATURE
 from fibermelt.fiber.cell.stokes import COMPRESSIBILITY
-from fibermelt.fiber.cell.thinning import CellAnswer
+from fibermelt.fiber.cell.thinning import CellAnswer, torque_free_step
 from fibermelt.melt import ViscosityLaw
 
 __all__ = ["TorqueFreeCell"]
@@ -195,20 +195,5 @@ class TorqueFreeCell(ABC):
 
     def _step(self) -> tuple[Any, float]:
         """Return Newton's step of the flow and of the spin."""
-        tangent, residual, turn = self.tangent, self.residual.vec, self.turn
-        tangent.Assemble()
-        coupling = self.space.FreeDofs(coupling=True)
-        inverse = tangent.mat.Inverse(coupling, inverse="sparsecholesky")
-        load = (-1.0 * (self.free * residual)).Evaluate()
-        reduced = load.Copy()
-        reduced.data += tangent.harmonic_extension_trans * reduced
-        step = (inverse * reduced).Evaluate()
-        step.data += tangent.harmonic_extension * step
-        step.data += tangent.inner_solve * load
-        turning = (-1.0 * (inverse * (tangent.mat * turn))).Evaluate()
-        turning.data += turn
-        resistance = ng.InnerProduct(turn, (tangent.mat * turning).Evaluate())
-        turning.data += tangent.harmonic_extension * turning
-        spin = -float(ng.InnerProduct(residual, turning) / resistance)
-        step.data += spin * turning
-        return step, spin
+        self.tangent.Assemble()
+        return torque_free_step(self.space, self.free, self.tangent, self.residual.vec, self.turn)

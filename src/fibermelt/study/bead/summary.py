@@ -12,7 +12,7 @@ from fibermelt.study.variables import or_none, study_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["bead_in_words", "outside", "summarize_bead"]
+__all__ = ["bead_in_words", "melt_met", "summarize_bead"]
 
 FLOW_NUMBERS = (
     "bead_height",
@@ -52,7 +52,7 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     """
     flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS}
     flow |= {name: int(results[name]) for name in FLOW_COUNTS}
-    flow |= _melt(results)
+    flow |= melt_met(results)
     return {
         "flow": flow,
         "streamlines": _streamlines(results),
@@ -62,8 +62,8 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _melt(results: xr.Dataset) -> dict[str, float | None]:
-    """Return what the melt goes through."""
+def melt_met(results: xr.Dataset) -> dict[str, float | None]:
+    """Return what the melt goes through, as `summarize_bead` says."""
     from fibermelt.study.loading import resolve  # noqa: PLC0415  lazy: the loader of studies
     from fibermelt.study.melt import melt_of  # noqa: PLC0415
 
@@ -73,11 +73,11 @@ def _melt(results: xr.Dataset) -> dict[str, float | None]:
     return {
         "lowest_viscosity": float(told["viscosity"].min()),
         "highest_rate": float(told["shear_rate"].max()),
-        "outside_law": None if known is None else outside(results, *known),
+        "outside_law": None if known is None else _outside(results, *known),
     }
 
 
-def outside(results: xr.Dataset, slowest: float, fastest: float) -> float:
+def _outside(results: xr.Dataset, slowest: float, fastest: float) -> float:
     """Return the share of the melt at rates beyond two [1/s], of time along, mean by flux."""
     import numpy as np  # noqa: PLC0415  as in _extremes
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.paths import Path
 
-__all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows"]
+__all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows", "fiber_models"]
 
 DIMENSIONS_PARAMETERS = (
     "sensitivity.aspect_ratios",
@@ -53,7 +53,7 @@ CURVE_RATIOS = (1.0, 20.0, 77)
 def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Compare confined ellipse, ellipse and spheroid, in simple shear and along streamlines."""
     ratios, size = tuple(parameters["sensitivity.aspect_ratios"]), domain_size(parameters, inputs)
-    models = _models(parameters, inputs["cell"], size)
+    models = fiber_models(parameters, inputs["cell"], size)
     say(f"{len(ratios)} aspect ratios in simple shear")
     along = _along(parameters, inputs["streamlines"], models)
     say(f"{len(along['feature_streamline'])} streamlines, {len(models)} models")
@@ -110,7 +110,7 @@ def _unbounded(parameters: Parameters, ratio: float) -> list[FiberModel]:
     return [unbounded_model("ellipse", fiber), unbounded_model("spheroid", fiber)]
 
 
-def _models(parameters: Parameters, cell: xr.Dataset, size: float) -> list[FiberModel]:
+def fiber_models(parameters: Parameters, cell: xr.Dataset, size: float) -> list[FiberModel]:
     """Return the study's fiber as each of the models; its cell is taken if it has one."""
     chosen, ratio = stored_model(cell), parameters["fiber.aspect_ratio"]
     confined = chosen if chosen.name == MODELS[0] else _confined(parameters, ratio, size)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.study.bead.fiber import domain_size, stored_model, stored_path
+from fibermelt.study.bead.fiber import domain_size, stored_path
 from fibermelt.study.bead.flow import (
     FLOW_NUMERICS,
     flow_estimates,
@@ -20,6 +20,7 @@ from fibermelt.study.bead.flow import (
 )
 from fibermelt.study.bead.response import response_estimates, thinning_response
 from fibermelt.study.melt import LAW, newtonian_viscosity
+from fibermelt.study.sensitivity.dimensions import fiber_models
 from fibermelt.study.stages import Inputs, Neighbour, Parameters, Say, refuse_beyond
 from fibermelt.study.variables import labelled
 
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
     from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.pressure import Viscosity
-    from fibermelt.fiber.shape import Ellipse
     from fibermelt.melt import PowerLaw
 
     Array = NDArray[np.float64]
@@ -70,10 +70,9 @@ def effect_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     """Compare the study's bead with beads of melts that thin."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
-    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
-    newtonian = _newtonian_models(parameters, inputs, fiber)
+    known = MODELS[:1] if parameters["fiber.aspect_ratio"] > SLENDEREST else MODELS
+    models = fiber_models(parameters, inputs["cell"], domain_size(parameters, inputs))
+    newtonian = [model for model in models if model.name in known]
     indices = (1.0, *parameters["thinning.indices"])
     viscosity = newtonian_viscosity(parameters)
     first, rows, regular = inputs["streamlines"], [], []
@@ -131,22 +130,6 @@ def _flows(
         refuse_beyond(f"streamlines of index {index:g}", streamline_estimates(melt, lines))
         yield flow, lines
         before = melt
-
-
-def _newtonian_models(parameters: Parameters, inputs: Inputs, fiber: Ellipse) -> list[FiberModel]:
-    """Return the fiber in its cell and the spheroid that it resembles, in a Newtonian melt."""
-    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
-    from fibermelt.fiber.models import confined_model, unbounded_model  # noqa: PLC0415
-
-    confined = stored_model(inputs["cell"])
-    if confined.name != MODELS[0]:
-        numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
-        confined = confined_model(
-            solve_cell(fiber, domain_size(parameters, inputs), numerics).response
-        )
-    slender = fiber.aspect_ratio > SLENDEREST
-    return [confined] if slender else [confined, unbounded_model("spheroid", fiber)]
 
 
 def _thinned(
