@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,6 +171,26 @@ class FlowHistory(Unchanging):
                 if all(getattr(history, name) is not None for history in histories)
             }
         )
+
+    @classmethod
+    def from_csv(cls, file: str | Path) -> FlowHistory:
+        """Read a history from a table, several paths stacked: see `fibermelt.path_table`.
+
+        Parameters
+        ----------
+        file : str or Path
+            CSV: a line for each point, columns ``time, x, y, z, u, v, w, pressure, L_xx, ...``
+            with their units in brackets, and ``path`` where there are several.
+
+        Raises
+        ------
+        ConfigError, HistoryError
+            As in `fibermelt.path_table.read_paths`.
+        """
+        from fibermelt.path_table import as_many_points, read_paths  # noqa: PLC0415  a circle else
+
+        found = as_many_points(read_paths(file).histories)
+        return found[0] if len(found) == 1 else cls.stack(found)
 
     def __len__(self) -> int:
         """Return the number of points on a path."""

@@ -70,7 +70,7 @@ def quantity(
         side a value is told the looser that it breaks: ``gt`` may say what makes no sense, ``ge``
         what is not verified.
     """
-    written = default[0] if isinstance(default, list) else default
+    written = (default or [None])[0] if isinstance(default, list) else default
     # pydantic bounds numbers only, not what may be a list of them or a word.
     own = isinstance(default, list) or bool(words)
     return Field(
@@ -117,7 +117,7 @@ def setting(
             "written": list(default) if isinstance(default, list) else default,
             "source": source,
             "hints": {**(hints or {})},
-            "example": example or (default[0] if isinstance(default, list) else ""),
+            "example": example or (default[0] if isinstance(default, list) and default else ""),
             "bounds": _checked(bounds) if is_list else {},
             "words": [],
         },
