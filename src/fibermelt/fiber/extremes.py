@@ -2,8 +2,9 @@
 
 The paper's Fig. 16-20: for each fiber the lowest and the highest (surface pressure - streamline
 pressure) above the middle of the capillary (Loc. 1) and from there on (Loc. 2). Arrays carry the
-axes ``(..., n_angles, location, kind)``, location (1, 2), kind (min, max). An extreme is taken at
-a point of the path: its value is off by the square of the points' spacing, its time by the spacing.
+axes ``(..., n_angles, location, kind)``, location (1, 2), kind (min, max); a path that passes no
+capillary has one location, all of it. An extreme is taken at a point of the path: its value is off
+by the square of the points' spacing, its time by the spacing.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ from fibermelt.history import FlowHistory
 __all__ = [
     "KINDS",
     "LOCATIONS",
+    "WHOLE",
     "ExtremeStatistics",
     "Extremes",
     "before_middle",
     "extreme_bounds",
     "extreme_values",
     "extremes",
+    "locations",
     "statistics",
 ]
 
@@ -38,13 +41,16 @@ Array = NDArray[np.float64]
 LOCATIONS = (1, 2)
 """The paper's Loc. 1, above the middle of the capillary, and Loc. 2, below it."""
 
+WHOLE = (0,)
+"""The one location of a path without such a middle."""
+
 KINDS = ("min", "max")
 """Lowest and highest surface pressure over the streamline's."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Pressure extremes of each fiber: every array (..., n_angles, 2 locations, 2 kinds).
+    """Pressure extremes of each fiber: every array (..., n_angles, location, 2 kinds).
 
     Parameters
     ----------
@@ -77,7 +83,7 @@ class Extremes:
 
 @dataclass(frozen=True, eq=False)
 class ExtremeStatistics:
-    """Statistics of `Extremes` over the initial angles: every array (..., 2 locations, 2 kinds).
+    """Statistics of `Extremes` over the initial angles: every array (..., location, 2 kinds).
 
     Parameters
     ----------
@@ -96,9 +102,12 @@ class ExtremeStatistics:
 
 
 def extremes(
-    path: FlowHistory, pressure: SurfaceHistory, motion: Turning, middle_time: ArrayLike
+    path: FlowHistory,
+    pressure: SurfaceHistory,
+    motion: Turning,
+    middle_time: ArrayLike | None = None,
 ) -> Extremes:
-    """Find the pressure extremes of every fiber at both locations.
+    """Find the pressure extremes of every fiber at each location.
 
     Parameters
     ----------
@@ -108,8 +117,9 @@ def extremes(
         Their surface pressure along it: a `SurfacePressure`, or a `NewtonMotion`.
     motion : Turning
         Their angles along it: a `Motion`, or the same `NewtonMotion`.
-    middle_time : float or (...) array
-        Time at the middle of the capillary [s]: Loc. 1 is before, Loc. 2 from there on.
+    middle_time : float or (...) array, optional
+        Time at the middle of the capillary [s]: Loc. 1 is before, Loc. 2 from there on; without
+        one there is one location, the whole path.
 
     Raises
     ------
@@ -122,7 +132,7 @@ def extremes(
     refuse_another_path(path, motion.path)
     before = before_middle(path, middle_time)[..., None, :]
     picked = []
-    for here in (before, ~before):
+    for here in locations(before):
         low = np.argmin(np.where(here, pressure.lowest, np.inf), axis=-1)
         high = np.argmax(np.where(here, pressure.highest, -np.inf), axis=-1)
         picked.append(np.stack([low, high], axis=-1))
@@ -143,7 +153,7 @@ def extremes(
 
 
 def extreme_values(lowest: Array, highest: Array, before: NDArray[np.bool_]) -> Array:
-    """Return the values alone of `extremes`, (..., n_angles, 2, 2) [Pa].
+    """Return the values alone of `extremes`, (..., n_angles, location, 2) [Pa].
 
     Parameters
     ----------
@@ -154,7 +164,7 @@ def extreme_values(lowest: Array, highest: Array, before: NDArray[np.bool_]) -> 
     """
     sides = [
         [lowest[..., here].min(axis=-1), highest[..., here].max(axis=-1)]
-        for here in (before, ~before)
+        for here in locations(before)
     ]
     return np.stack([np.stack(side, axis=-1) for side in sides], axis=-2)
 
@@ -172,7 +182,9 @@ def statistics(found: Extremes) -> ExtremeStatistics:
     )
 
 
-def extreme_bounds(path: FlowHistory, bounds: PressureBounds, middle_time: ArrayLike) -> Array:
+def extreme_bounds(
+    path: FlowHistory, bounds: PressureBounds, middle_time: ArrayLike | None = None
+) -> Array:
     """Return the bounds of every fiber's extremes, (..., location, kind, 2) [Pa].
 
     For "min" the lower side is the lowest over the path of the worst orientation, and the upper
@@ -188,7 +200,7 @@ def extreme_bounds(path: FlowHistory, bounds: PressureBounds, middle_time: Array
     """
     before = before_middle(path, middle_time)
     sides = []
-    for here in (before, ~before):
+    for here in locations(before):
         low = [_smallest(v, here) for v in (bounds.lowest, bounds.mildest_lowest)]
         high = [-_smallest(-v, here) for v in (bounds.mildest_highest, bounds.highest)]
         sides.append(np.stack([np.stack(low, -1), np.stack(high, -1)], axis=-2))
@@ -201,9 +213,16 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def before_middle(path: FlowHistory, middle_time: ArrayLike) -> NDArray[np.bool_]:
-    """Return which points lie above the middle of the capillary, (..., n)."""
+def locations(before: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], ...]:
+    """Return which points belong to each location: two, or one if none lies before the middle."""
+    return (before, ~before) if np.any(before) else (~before,)
+
+
+def before_middle(path: FlowHistory, middle_time: ArrayLike | None) -> NDArray[np.bool_]:
+    """Return which points lie above the middle of the capillary, (..., n); none without one."""
     refuse_other("path", path, FlowHistory)
+    if middle_time is None:
+        return np.zeros(path.time.shape, dtype=bool)
     middle = real_array("middle_time", middle_time, duration=True)
     if middle.shape not in ((), path.time.shape[:-1]):
         msg = (
@@ -222,8 +241,8 @@ def before_middle(path: FlowHistory, middle_time: ArrayLike) -> NDArray[np.bool_
 
 
 def _picker(index: NDArray[np.intp]) -> Callable[[Array], Array]:
-    """Return a function that reads (..., n_angles or 1, n) arrays at (..., n_angles, 2, 2)."""
-    flat = index.reshape(*index.shape[:-2], 4)
+    """Return a function that reads (..., n_angles or 1, n) arrays at all extremes."""
+    flat = index.reshape(*index.shape[:-2], -1)
 
     def pick(values: Array) -> Array:
         whole = np.broadcast_to(values, (*flat.shape[:-1], values.shape[-1]))

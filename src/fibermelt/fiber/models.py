@@ -92,7 +92,7 @@ class FiberModel:
         self,
         path: FlowHistory,
         viscosity: Viscosity,
-        middle_time: ArrayLike,
+        middle_time: ArrayLike | None,
         count: int = ISOTROPIC_COUNT,
         levels: tuple[float, ...] = QUANTILE_LEVELS,
         tolerance: float = ANGLE_TOLERANCE,
@@ -147,7 +147,7 @@ def _isotropic_spheroids(
     path: FlowHistory,
     spheroid: SpheroidResponse,
     viscosity: Viscosity,
-    middle_time: ArrayLike,
+    middle_time: ArrayLike | None,
     count: int,
     levels: tuple[float, ...],
     tolerance: float,
@@ -157,7 +157,7 @@ def _isotropic_spheroids(
     deformation, _ = deformation_along(path, spheroid.shape_factor, tolerance)
     paths = itertools.count()
 
-    def pressures(one: FlowHistory, middle: float) -> tuple[Array, Array, Array]:
+    def pressures(one: FlowHistory, middle: float | None) -> tuple[Array, Array, Array]:
         k = next(paths)
         directions = turned_directions(deformation.line(k), initial)
         size, _ = strain_polar(one.gradient)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, refuse_other
-from fibermelt.fiber.extremes import before_middle, extreme_values
+from fibermelt.fiber.extremes import before_middle, extreme_values, locations
 from fibermelt.fiber.level_sets import LevelSets
 from fibermelt.fiber.motion import (
     ANGLE_TOLERANCE,
@@ -77,7 +77,7 @@ def isotropic_pressure(
     path: FlowHistory,
     response: FiberResponse | ThinningResponse,
     viscosity: Viscosity,
-    middle_time: ArrayLike,
+    middle_time: ArrayLike | None,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
     tolerance: float = ANGLE_TOLERANCE,
 ) -> IsotropicPressure:
@@ -95,7 +95,7 @@ def isotropic_pressure(
         The fibers' response.
     viscosity : float, ViscosityLaw or LocalViscosity
         The melt, as in `surface_pressure`.
-    middle_time : float or (...) array
+    middle_time : float or (...) array, or None
         Time at the middle of the capillary [s], as in `extremes`.
     levels : tuple of float
         Levels in [0, 1].
@@ -128,6 +128,7 @@ def isotropic_pressure(
         line = _Lines(amplitude[some], double[some], deformation.lines(some), before[some])
         parts.append(_line_quantiles(line, response.level_sets, levels))
     stacked = [np.concatenate(part) for part in zip(*parts, strict=True)]
+    stacked[-1] = stacked[-1][:, -len(locations(before)) :]
     return IsotropicPressure(
         np.array(levels), *(values.reshape(*lead, *values.shape[1:]) for values in stacked)
     )
@@ -137,7 +138,7 @@ def _followed_quantiles(
     path: FlowHistory,
     response: ThinningResponse,
     viscosity: Viscosity,
-    middle_time: ArrayLike,
+    middle_time: ArrayLike | None,
     levels: tuple[float, ...],
     tolerance: float,
 ) -> IsotropicPressure:
@@ -208,9 +209,9 @@ def _line_quantiles(
 
 def population_quantiles(
     path: FlowHistory,
-    middle_time: ArrayLike,
+    middle_time: ArrayLike | None,
     levels: tuple[float, ...],
-    pressures: Callable[[FlowHistory, float], tuple[Array, Array, Array]],
+    pressures: Callable[[FlowHistory, float | None], tuple[Array, Array, Array]],
 ) -> IsotropicPressure:
     """Return quantiles over a population of fibers, whatever follows them, path by path.
 
@@ -229,19 +230,26 @@ def population_quantiles(
     """
     _refuse_levels(levels)
     paths = path.lines
-    middles = np.ravel(real_array("middle_time", middle_time, duration=True))
-    if middles.size not in (1, len(paths)):
-        msg = f"middle_time has {middles.size} values for {len(paths)} paths: give one, or one each"
-        raise ConfigError(msg)
     parts = [
-        [_quantiles(values, levels) for values in pressures(one, float(middle))]
-        for one, middle in zip(paths, np.broadcast_to(middles, len(paths)), strict=True)
+        [_quantiles(values, levels) for values in pressures(one, middle)]
+        for one, middle in zip(paths, _middles(middle_time, len(paths)), strict=True)
     ]
     lead = path.time.shape[:-1]
     stacked = [
         np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
     ]
     return IsotropicPressure(np.array(levels), *stacked)
+
+
+def _middles(middle_time: ArrayLike | None, count: int) -> list[float | None]:
+    """Return the middle time of each path, None where there is none."""
+    if middle_time is None:
+        return [None] * count
+    middles = np.ravel(real_array("middle_time", middle_time, duration=True))
+    if middles.size not in (1, count):
+        msg = f"middle_time has {middles.size} values for {count} paths: give one, or one each"
+        raise ConfigError(msg)
+    return [float(middle) for middle in np.broadcast_to(middles, count)]
 
 
 def _refuse_levels(levels: tuple[float, ...]) -> None:

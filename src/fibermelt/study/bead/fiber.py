@@ -253,22 +253,28 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     What is over every orientation, bounds and quantiles, is by superposition on either path: the
     paper's algorithm would take a run of its own for each.
     """
-    from fibermelt.fiber.extremes import KINDS, LOCATIONS, extreme_bounds  # noqa: PLC0415
+    from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds  # noqa: PLC0415
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
 
     path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
     viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
-    middle = inputs["streamlines"]["middle_time"].to_numpy()
-    zone_time = inputs["streamlines"]["zone_time"].to_numpy()
+    lines = inputs["streamlines"]
+    middle, zone_time = (
+        lines[name].to_numpy() if name in lines else None for name in ("middle_time", "zone_time")
+    )
     if parameters["fiber.path"] == "newton":
         chosen = thinning_numerics if "response" in inputs else _numerics
         size, numerics = domain_size(parameters, inputs), chosen(parameters)
-        followed = followed_by_newton(parameters, path, size, numerics, middle, zone_time, say)
+        followed = followed_by_newton(
+            parameters, path, model, size, numerics, middle, zone_time, say
+        )
     elif parameters["fiber.directions"] == "in-plane":
         followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
     else:
         followed = followed_in_space(parameters, path, model, middle, zone_time, say)
+    if path.planar:
+        followed.pop("extreme_z")
     bounds = pressure_bounds(path, model.in_plane, viscosity)
     if model.spheroid is not None and model.thinning is None:
         say(f"{count} directions of an isotropic start")
@@ -278,7 +284,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     return labelled(
         {
             **followed,
-            "location": list(LOCATIONS),
+            "location": list(WHOLE if middle is None else LOCATIONS),
             "kind": list(KINDS),
             "quantile": isotropic.levels,
             "bound_lowest": bounds.lowest,

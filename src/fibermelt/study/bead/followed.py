@@ -7,6 +7,7 @@ reached [s]. What computes is imported when it is asked for, as in the stages.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+COARSE_TOLERANCE = 1e-4
+"""Angle error [rad] where only a difference is asked that is larger by far."""
+
 __all__ = ["followed_by_newton", "followed_in_plane", "followed_in_space"]
 
 
@@ -34,44 +38,81 @@ def followed_in_plane(
     parameters: Parameters,
     path: FlowHistory,
     model: FiberModel,
-    middle: Array,
-    zone_time: Array,
+    middle: Array | None,
+    zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
     """Return the fibers that enter at the initial angles, in the plane of the flow."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
-    from fibermelt.fiber.motion import angle_to_stream_at, follow  # noqa: PLC0415
-    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
-
     angles = np.asarray(parameters["fiber.initial_angles"])
-    tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(angles)} angles on {len(path.lines)} streamlines")
-    motion = follow(path, model.turning, angles, tolerance)
-    pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
+    error = _in_plane_error(parameters, path, model, angles, middle)
+    tolerance = parameters["numerics.angle_tolerance"]
+    motion, pressure, found = _in_plane(parameters, path, model, angles, middle, tolerance)
     return {
         "initial_angle": angles,
         "angle": motion.angle,
         "lowest": pressure.lowest,
         "highest": pressure.highest,
-        "zone_angle": angle_to_stream_at(path, motion, zone_time),
-        **_named(extremes(path, pressure, motion, middle)),
+        **_at_zones(path, motion, zone_time),
+        **_named(found),
+        "extreme_error": error(found.value),
     }
+
+
+def _in_plane(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    angles: Array,
+    middle: Array | None,
+    tolerance: float,
+) -> tuple[Turning, SurfaceHistory, Extremes]:
+    """Return motion, surface pressure and extremes of fibers in the plane of the flow."""
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.motion import follow  # noqa: PLC0415
+    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
+
+    motion = follow(path, model.turning, angles, tolerance)
+    pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
+    return motion, pressure, extremes(path, pressure, motion, middle)
+
+
+def _in_plane_error(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    angles: Array,
+    middle: Array | None,
+) -> Callable[[Array], Array]:
+    """Return what estimates the errors of extremes that the points' spacing makes [Pa].
+
+    From the same fibers on every second point; they come first, as the last path that was followed
+    is kept at hand for others.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    coarse = path.every_second()
+    _, _, found = _in_plane(parameters, coarse, model, angles, middle, COARSE_TOLERANCE)
+    return lambda value: np.abs(value - found.value)
 
 
 def followed_by_newton(
     parameters: Parameters,
     path: FlowHistory,
+    model: FiberModel,
     size: float,
     numerics: CellNumerics,
-    middle: Array,
-    zone_time: Array,
+    middle: Array | None,
+    zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
     """Return the same fibers by the paper's algorithm, on a cell of size ``M``.
 
-    The extremes are those of its steps and of the cell's surface points, as in the paper.
+    The extremes are those of its steps and of the cell's surface points, as in the paper. What the
+    points' spacing does to them is estimated by superposition: the algorithm itself would take half
+    its time again.
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -88,17 +129,19 @@ def followed_by_newton(
     else:
         free, viscosity = ThinningFiber(fiber, size, law, numerics), 1.0
     motions = newton_motions(free, fiber, path.lines, viscosity, angles, say)
-    lines = zip(path.lines, motions, middle, zone_time, strict=True)
+    lines = zip(path.lines, motions, *_stations(path, middle, zone_time), strict=True)
     found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
-    return {"initial_angle": angles, **_stacked(found)}
+    error = _in_plane_error(parameters, path, model, angles, middle)
+    value = _in_plane(parameters, path, model, angles, middle, COARSE_TOLERANCE)[2].value
+    return {"initial_angle": angles, **_stacked(found), "extreme_error": error(value)}
 
 
 def followed_in_space(
     parameters: Parameters,
     path: FlowHistory,
     model: FiberModel,
-    middle: Array,
-    zone_time: Array,
+    middle: Array | None,
+    zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
     """Return the fibers that enter evenly over the sphere, streamline by streamline.
@@ -108,6 +151,7 @@ def followed_in_space(
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
     from fibermelt.fiber.spatial import (  # noqa: PLC0415
         follow_spatial,
         half_sphere,
@@ -120,12 +164,17 @@ def followed_in_space(
     start = half_sphere(parameters["fiber.direction_count"])
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(start)} directions on {len(path.lines)} streamlines")
+    spheroid, viscosity = model.spheroid, viscosity_of(parameters)
     found = []
-    for one, middle_time, times in zip(path.lines, middle, zone_time, strict=True):
-        motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
-        pressure = spatial_pressure(one, model.spheroid, viscosity_of(parameters), motion)
-        line = _on_line(one, motion, pressure, middle_time, times)
-        found.append({**line, "elevation": motion.elevation})
+    for one, at, times in zip(path.lines, *_stations(path, middle, zone_time), strict=True):
+        motion = follow_spatial(one, spheroid.shape_factor, start, tolerance)
+        pressure = spatial_pressure(one, spheroid, viscosity, motion)
+        line = _on_line(one, motion, pressure, at, times)
+        coarse = one.every_second()
+        rough = follow_spatial(coarse, spheroid.shape_factor, start, COARSE_TOLERANCE)
+        again = extremes(coarse, spatial_pressure(coarse, spheroid, viscosity, rough), rough, at)
+        error = np.abs(line["extreme"] - again.value)
+        found.append({**line, "elevation": motion.elevation, "extreme_error": error})
     return {
         "initial_angle": np.arctan2(start[:, 1], start[:, 0]),
         "initial_elevation": np.arcsin(start[:, 2]),
@@ -137,20 +186,39 @@ def _on_line(
     one: FlowHistory,
     motion: Turning,
     pressure: SurfaceHistory,
-    middle_time: float,
-    zone_time: Array,
+    middle: float | None,
+    zone_time: Array | None,
 ) -> dict[str, Any]:
     """Return what is known of the fibers of one streamline, by the names of its variables."""
     from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
 
     return {
         "angle": motion.angle,
         "lowest": pressure.lowest,
         "highest": pressure.highest,
-        "zone_angle": angle_to_stream_at(one, motion, zone_time),
-        **_named(extremes(one, pressure, motion, float(middle_time))),
+        **_at_zones(one, motion, zone_time),
+        **_named(extremes(one, pressure, motion, middle)),
     }
+
+
+def _at_zones(path: FlowHistory, motion: Turning, zone_time: Array | None) -> dict[str, Any]:
+    """Return the fibers' angles at the zones, where there are any."""
+    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415  lazy: see the module
+
+    if zone_time is None:
+        return {}
+    return {"zone_angle": angle_to_stream_at(path, motion, zone_time)}
+
+
+def _stations(
+    path: FlowHistory, middle: Array | None, zone_time: Array | None
+) -> tuple[list[Any], list[Any]]:
+    """Return the stations line by line, None where there are none."""
+    none = [None] * len(path.lines)
+    return (
+        none if middle is None else list(middle),
+        none if zone_time is None else list(zone_time),
+    )
 
 
 def _stacked(lines: list[dict[str, Any]]) -> dict[str, Any]:
@@ -162,5 +230,5 @@ def _stacked(lines: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _named(found: Extremes) -> dict[str, Any]:
     """Return extremes by the names of their variables."""
-    parts = ("x", "y", "time", "pressure", "angle", "where")
+    parts = ("x", "y", "z", "time", "pressure", "angle", "where")
     return {"extreme": found.value, **{f"extreme_{name}": getattr(found, name) for name in parts}}
