@@ -312,10 +312,15 @@ class Field(Unchanging):
         """
         nodes = self.cells[place.cell]
         weights = place.weights
-        d = self.dimension
         corner = self._plane[nodes]
-        away = np.einsum("nk,nkd->nd", weights, corner)[:, None] - corner
-        rise = np.einsum("nkij,nkj->nki", self.whole_gradient[nodes][..., :d], away)
-        result = np.einsum("nk,nki->ni", weights, self.velocity[nodes] + 0.5 * rise)
+        away = (weights[:, None] @ corner) - corner
+        factor = weights[..., None] * np.concatenate([np.ones((*nodes.shape, 1)), away], axis=-1)
+        result = np.einsum("nkij,nkj->ni", self._expansion[nodes], factor)
         result[~place.found] = np.nan
         return np.asarray(result)
+
+    @cached_property
+    def _expansion(self) -> Array:
+        """Return ``u`` and ``L / 2`` at the nodes side by side, (n, 3, 1 + d)."""
+        half = 0.5 * self.whole_gradient[..., : self.dimension]
+        return np.concatenate([self.velocity[..., None], half], axis=-1)

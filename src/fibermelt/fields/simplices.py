@@ -81,15 +81,13 @@ def signed_sizes(points: Array, cells: Index) -> Array:
 
 
 def adjacency(cells: Index, count: int) -> csr_array:
-    """Return which of so many nodes share a cell, each with itself, as a sparse pattern of ones."""
+    """Return which of so many nodes share a cell, each with itself, as a sparse pattern."""
     k = cells.shape[1]
     pairs = [(i, j) for i in range(k) for j in range(k) if i != j]
     rows = np.concatenate([cells[:, i] for i, _ in pairs] + [np.arange(count)])
     columns = np.concatenate([cells[:, j] for _, j in pairs] + [np.arange(count)])
-    pattern = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (count, count))
-    joined = pattern.tocsr()
-    joined.data[:] = 1
-    return joined
+    pattern = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), (count, count))
+    return pattern.tocsr()
 
 
 def used_only(cells: Index, count: int) -> tuple[Index, Index]:
