@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fibermelt.fields.patches import own_axes, padded
 from fibermelt.fields.simplices import adjacency, facets
 
 __all__ = ["recovered_gradient"]
@@ -64,16 +65,6 @@ def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array]:
     inverse = np.linalg.inv(normal)
     condition = np.abs(normal).sum(axis=2).max(axis=1) * np.abs(inverse).sum(axis=2).max(axis=1)
     return inverse @ (weighted @ rise), condition
-
-
-def _own_axes(away: Array, count: Array) -> Array:
-    """Return the map (b, d, d) to coordinates in which a patch is as wide in every direction."""
-    covariance = np.einsum("bki,bkj->bij", away, away) / count[:, None, None]
-    d = away.shape[-1]
-    size = np.trace(covariance, axis1=1, axis2=2)[:, None, None]
-    # a patch without width in one direction keeps its map finite; its condition tells
-    covariance = covariance + 1e-20 * size * np.eye(d)
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
 
 def _batches(pattern: csr_array, coefficients: int) -> list[Index]:
@@ -141,13 +132,12 @@ def _patch(
 ) -> tuple[NDArray[np.bool_], Array, Array]:
     """Return which patches will do, the gradients (b, c, d) and their estimated errors (b,)."""
     d = points.shape[1]
-    length = np.diff(pattern.indptr)
     # short patches are filled up with the centre, which adds nothing to a fit through it
-    around = np.repeat(centre[:, None], length.max(), axis=1)
-    around[np.arange(length.max()) < length[:, None]] = pattern.indices
+    around, is_own = padded(pattern, centre)
+    length = is_own.sum(axis=1)
     away = points[around] - points[centre, None]
     rise = velocity[around] - velocity[centre, None]
-    axes = _own_axes(away, length)
+    axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
     basis = _monomials(y)
     near = np.exp(-np.einsum("bik,bik->bk", y, y) / d)
