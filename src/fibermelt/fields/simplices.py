@@ -11,6 +11,7 @@ from scipy.sparse import coo_array, csr_array
 __all__ = [
     "Facets",
     "adjacency",
+    "boundary_nodes",
     "facets",
     "sharp_nodes",
     "signed_sizes",
@@ -23,6 +24,11 @@ Index = NDArray[np.int64]
 SHARP = np.radians(30.0)
 """Turn of the boundary at an edge that points into the flow, above which it counts as sharp: a
 round wall is drawn with more than twelve facets around."""
+
+
+AROUND = 0.999
+"""Part of the full angle from which on the cells at a node go all around it: a flat wall has half,
+slivers that were taken out leave no gap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +94,42 @@ def adjacency(cells: Index, count: int) -> csr_array:
     columns = np.concatenate([cells[:, j] for _, j in pairs] + [np.arange(count)])
     pattern = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), (count, count))
     return pattern.tocsr()
+
+
+def boundary_nodes(points: Array, cells: Index, found: Facets) -> NDArray[np.bool_]:
+    """Return which nodes lie on the boundary: on a facet of one cell, not surrounded by cells.
+
+    Facets alone are not enough where cells do not meet at whole ones (hanging nodes, slivers that
+    were taken out): the angles of the cells at a node tell whether they go all around.
+    """
+    is_open = np.zeros(len(points), dtype=bool)
+    is_open[found.boundary] = True
+    if not is_open.any():
+        return is_open
+    touched = cells[is_open[cells].any(axis=1)]
+    corners = points[touched]
+    full = 2 * np.pi if cells.shape[1] == 3 else 4 * np.pi
+    angle = np.zeros(len(points))
+    for corner in range(cells.shape[1]):
+        others = [k for k in range(cells.shape[1]) if k != corner]
+        sides = corners[:, others] - corners[:, corner, None]
+        sides = sides / np.linalg.norm(sides, axis=2, keepdims=True)
+        angle += np.bincount(touched[:, corner], _angle(sides), minlength=len(points))
+    return is_open & (angle < AROUND * full)
+
+
+def _angle(sides: Array) -> Array:
+    """Return the angles between unit vectors (n, 2, 2), or the solid angles of (n, 3, 3).
+
+    Reference: Van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125
+    (doi:10.1109/TBME.1983.325207).
+    """
+    if sides.shape[1] == 2:
+        return np.asarray(np.arccos(np.clip(np.einsum("nd,nd->n", *sides.swapaxes(0, 1)), -1, 1)))
+    a, b, c = sides.swapaxes(0, 1)
+    triple = np.abs(np.einsum("nd,nd->n", a, np.cross(b, c)))
+    products = [np.einsum("nd,nd->n", *pair) for pair in ((a, b), (b, c), (c, a))]
+    return np.asarray(2 * np.arctan2(triple, 1.0 + sum(products)))
 
 
 def used_only(cells: Index, count: int) -> tuple[Index, Index]:

@@ -18,6 +18,9 @@ __all__ = ["READER"]
 
 FORMAT = "STAR-CCM+ table"
 
+SPELLED = {"Pa-s": "Pa s", "kg/m-s": "kg/(m s)", "C": "degC", "F": "degF"}
+"""Units as the solver spells them that are something else elsewhere."""
+
 COORDINATE = re.compile(rb"(?:^|,)\s*\"?X \([^\")]+\)\"?\s*(?:,|\r?$)")
 
 
@@ -32,7 +35,9 @@ def _read(path: Path, time_step: float | None) -> Contents:
     headings = next(csv.reader(lines[:1]))
     parts = [split_unit(heading) for heading in headings]
     names = unique_names([name for name, _ in parts])
-    units = {name: unit for name, (_, unit) in zip(names, parts, strict=True) if unit}
+    units = {
+        name: SPELLED.get(unit, unit) for name, (_, unit) in zip(names, parts, strict=True) if unit
+    }
     table = numbers(path, lines[1:], len(names), 2)
     axes = [name for name in ("X", "Y", "Z") if name in names]
     if len(axes) < 2:
