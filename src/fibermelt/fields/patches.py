@@ -1,0 +1,34 @@
+"""Patches of points around points: as rectangular arrays, and in axes of their own."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+__all__ = ["own_axes", "padded"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+FLAT = 1e-12
+"""Part of its size that is added to a patch's covariance: rounding does not make it negative, one
+without width in a direction keeps a finite map, and one a hundred thousand times as long as wide
+is as wide as long in its own axes."""
+
+
+def own_axes(away: Array, count: Array) -> Array:
+    """Return maps (b, d, d) to coordinates in which patches (b, k, d) of so many are round."""
+    covariance = np.einsum("bki,bkj->bij", away, away) / count[:, None, None]
+    size = np.trace(covariance, axis1=1, axis2=2)[:, None, None]
+    covariance = covariance + FLAT * size * np.eye(away.shape[-1])
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def padded(pattern: csr_array, fill: Index) -> tuple[Index, NDArray[np.bool_]]:
+    """Return the columns of each row of a pattern (b, k), ``fill`` after them, and which are its."""
+    length = np.diff(pattern.indptr)
+    is_own = np.arange(length.max(initial=1)) < length[:, None]
+    around = np.repeat(fill[:, None], is_own.shape[1], axis=1)
+    around[is_own] = pattern.indices
+    return around, is_own

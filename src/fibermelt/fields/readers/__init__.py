@@ -1,0 +1,54 @@
+"""Files of other solvers, one module for each format of our own, one for all that VTK reads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fibermelt.errors import ConfigError, legible_path
+from fibermelt.fields.contents import Contents, Reader
+from fibermelt.fields.readers import cfdpost, comsol, fluent, starccm, vtk
+
+__all__ = ["READERS", "read_contents"]
+
+READERS: tuple[Reader, ...] = (
+    comsol.SECTIONWISE,
+    comsol.SPREADSHEET,
+    cfdpost.READER,
+    starccm.READER,
+    fluent.READER,
+    *vtk.READERS,
+)
+"""All formats, asked in this order whether a file is theirs."""
+
+HEAD = 8192
+"""Bytes that a format is known by."""
+
+
+def read_contents(path: Path, time_step: float | None = None) -> Contents:
+    """Return what is in a file, by the first reader that knows its first bytes.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such file, no reader knows it, or it is damaged.
+    """
+    try:
+        head = b""
+        if not path.is_dir():
+            with path.open("rb") as file:
+                head = file.read(HEAD)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        msg = f"field.file = {legible_path(path)}: cannot be read: {reason}"
+        raise ConfigError(msg) from error
+    for reader in READERS:
+        if reader.knows(path, head):
+            try:
+                return reader.read(path, time_step)
+            except MemoryError as error:
+                msg = f"field.file = {legible_path(path)}: is too large for this machine's memory"
+                raise ConfigError(msg) from error
+    what = "is empty" if not head and path.is_file() else "is in no format that is known"
+    known = ", ".join(reader.format for reader in READERS)
+    msg = f"field.file = {legible_path(path)}: {what}; known are {known}"
+    raise ConfigError(msg)

@@ -1,0 +1,118 @@
+"""Tables of numbers in text files: the columns, and the names of their coordinates."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fibermelt.errors import ConfigError, legible, legible_path
+
+__all__ = ["numbers", "refuse_short", "split_unit", "text_of", "unique_names"]
+
+Array = NDArray[np.float64]
+
+MISSING = re.compile(r"(?i)\b(?:null|n/a|undefined)\b")
+"""What solvers write where they know no value; NaN once read."""
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    ConfigError
+        If it cannot be read, or is no text.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig", errors="strict")
+    except UnicodeDecodeError:
+        return path.read_text(encoding="latin-1")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        msg = f"field.file = {legible_path(path)}: cannot be read: {reason}"
+        raise ConfigError(msg) from error
+
+
+def numbers(path: Path, lines: Sequence[str], columns: int, first: int) -> Array:
+    """Return lines of numbers as an array (rows, columns); commas, semicolons or blanks between.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    lines : sequence of str
+        Lines; empty ones are left out.
+    columns : int
+        Numbers that each line must have.
+    first : int
+        Number of the first line in the file.
+
+    Raises
+    ------
+    ConfigError
+        If a line has another count or something else: its number, and what it is.
+    """
+    text = "\n".join(lines)
+    if MISSING.search(text):
+        text = MISSING.sub("nan", text)
+    table = np.empty(0)
+    try:
+        flat = text.replace(",", " ").replace(";", " ").split()
+        table = np.array(flat, dtype=np.float64)
+    except ValueError:
+        table = np.empty(0)
+    rows = sum(1 for line in lines if line.strip())
+    if table.size == rows * columns and rows:
+        return table.reshape(rows, columns)
+    for number, line in enumerate(lines, start=first):
+        words = MISSING.sub("nan", line).replace(",", " ").replace(";", " ").split()
+        if not words:
+            continue
+        if len(words) != columns:
+            msg = (
+                f"field.file = {legible_path(path)}: line {number} has {len(words)} values, "
+                f"expected {columns}: the file is truncated or damaged; export it again"
+            )
+            raise ConfigError(msg)
+        for word in words:
+            try:
+                float(word)
+            except ValueError as error:
+                msg = (
+                    f'field.file = {legible_path(path)}: line {number} has "{legible(word)}", '
+                    "which is no number; export it again with a decimal point"
+                )
+                raise ConfigError(msg) from error
+    return np.empty((0, columns))
+
+
+def refuse_short(path: Path, what: str, found: int, expected: int) -> None:
+    """Refuse a file that has fewer, or more, of something than it says."""
+    if found != expected:
+        msg = (
+            f"field.file = {legible_path(path)}: has {found} {what}, but says that it has "
+            f"{expected}: it is truncated or damaged; export it again"
+        )
+        raise ConfigError(msg)
+
+
+def split_unit(heading: str) -> tuple[str, str]:
+    """Return name and unit of a heading: ``u (m/s)``, ``Velocity u [ m s^-1 ]``, ``p``."""
+    match = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\]]*)\]|\(([^()]*(?:\([^()]*\)[^()]*)*)\))\s*", heading)
+    if match is None or not match.group(1):
+        return heading.strip(), ""
+    return match.group(1), (match.group(2) or match.group(3) or "").strip()
+
+
+def unique_names(names: Sequence[str]) -> list[str]:
+    """Return names without doubles: a second one of a kind is numbered."""
+    seen: dict[str, int] = {}
+    unique = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        unique.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return unique

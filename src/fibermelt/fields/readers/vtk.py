@@ -1,0 +1,391 @@
+"""What VTK reads, through pyvista: VTK's own files, EnSight, CGNS, Fluent's CFF, OpenFOAM and more.
+
+pyvista is an optional extra: ``pip install "fibermelt[fields]"``. Cells of any kind are split into
+simplices (of higher order: triangles of any order, quadrilaterals, tetrahedra and hexahedra of the
+second; of the others the corners are read, and that is told); values of cells are taken to their
+nodes; blocks are put together.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from fibermelt.errors import ConfigError, legible, legible_path
+from fibermelt.fields.averaging import cells_to_nodes
+from fibermelt.fields.contents import Contents, Reader
+from fibermelt.fields.readers.times import chosen_time
+from fibermelt.fields.splitting import CORNERS, split_cells, split_polyhedra
+
+__all__ = ["INSTALL", "READERS"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+INSTALL = 'pip install "fibermelt[fields]"'
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+
+SOLID = frozenset({10, 11, 12, 13, 14, 24, 25, 26, 27, 29, 31, 32, 33, 37, 42, 71, 72, 73, 74, 79})
+FLAT = frozenset({5, 7, 8, 9, 22, 23, 28, 69, 70})
+"""VTK's types of cells with a volume, and with an area."""
+
+POLYHEDRON = 42
+
+XML_KINDS = {
+    "UnstructuredGrid": ".vtu",
+    "PUnstructuredGrid": ".pvtu",
+    "PolyData": ".vtp",
+    "ImageData": ".vti",
+    "StructuredGrid": ".vts",
+    "RectilinearGrid": ".vtr",
+    "vtkMultiBlockDataSet": ".vtm",
+    "Collection": ".pvd",
+}
+
+LARGEST = 1e15
+"""Coordinates beyond it, or all below its inverse, are no lengths: bytes in another order."""
+
+
+def _xml_kind(head: bytes) -> str:
+    match = re.search(rb"<VTKFile[^>]*?\btype\s*=\s*[\"'](\w+)[\"']", head)
+    return XML_KINDS.get(match.group(1).decode(), "") if match else ""
+
+
+def _hdf5_keys(path: Path, head: bytes) -> set[str]:
+    """Return the names on the top level of an HDF5 file; none if it is no such file, or damaged."""
+    if not head.startswith(HDF5):
+        return set()
+    import h5py  # noqa: PLC0415  lazy: most formats need it not
+
+    try:
+        with h5py.File(path) as file:
+            return set(file)
+    except OSError:
+        return {"damaged"}
+
+
+def _case_folder(path: Path) -> Path | None:
+    """Return OpenFOAM's case that a folder, its ``.foam`` file or ``controlDict`` stands for."""
+    folder = path if path.is_dir() else path.parent
+    folder = folder.parent if folder.name == "system" else folder
+    named = path.is_dir() or path.suffix == ".foam" or path.name == "controlDict"
+    return folder if named and (folder / "system" / "controlDict").is_file() else None
+
+
+def _pyvista(path: Path, kind: str) -> Any:
+    try:
+        import pyvista  # noqa: PLC0415  lazy: an optional extra
+    except ImportError as error:
+        msg = f"field.file = {legible_path(path)}: {kind} is read by pyvista, which is not here: "
+        raise ConfigError(msg + INSTALL) from error
+    return pyvista
+
+
+def _damaged(path: Path, kind: str, reason: str) -> ConfigError:
+    line = legible(" ".join(reason.split()), 160)
+    msg = (
+        f"field.file = {legible_path(path)}: cannot be read as {kind}: truncated, damaged, or "
+        f"written in another byte order; export it again" + (f" ({line})" if line else "")
+    )
+    return ConfigError(msg)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep from standard output what VTK's readers print there, under Python's feet."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _read(kind: str, suffix: str, path: Path, time_step: float | None) -> Contents:
+    """Return what is in a file by the reader that pyvista has for a suffix."""
+    pyvista = _pyvista(path, kind)
+    from vtkmodules.vtkCommonCore import vtkLogger  # noqa: PLC0415  with pyvista
+
+    source = path
+    if suffix == ".foam":
+        source = (_case_folder(path) or path) / "system" / "controlDict"
+    if suffix == ".h5":
+        source = Path(re.sub(r"\.dat(\.h5)?$", r".cas\1", str(path)))
+    with tempfile.TemporaryDirectory() as scratch:
+        if suffix == ".nek5000":
+            source = _nek5000(path, Path(scratch))
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+        catcher = pyvista.VtkErrorCatcher(send_to_logging=False)
+        try:
+            with _silent(), catcher:
+                reader = pyvista.get_reader(str(source), force_ext=suffix)
+                times = tuple(getattr(reader, "time_values", ()) or ())
+                if times:
+                    reader.set_active_time_value(chosen_time(path, times, time_step))
+                data = reader.read()
+        except ConfigError:
+            raise
+        except Exception as error:  # VTK's readers raise what they like
+            raise _damaged(path, kind, str(error)) from error
+        finally:
+            vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
+    if catcher.error_events:
+        raise _damaged(path, kind, str(catcher.error_events[0].alert or ""))
+    contents = _contents(path, kind, data, times)
+    return _with_dimensions(path, contents) if suffix == ".foam" else contents
+
+
+def _nek5000(path: Path, scratch: Path) -> Path:
+    """Return a description of those of a run's files that are there, which may be fewer."""
+    text = path.read_text(encoding="latin-1")
+    keys = dict(re.findall(r"(?m)^\s*(\w+)\s*:\s*(\S+)", text))
+    template, first = keys.get("filetemplate", ""), int(keys.get("firsttimestep", "0"))
+    count = int(keys.get("numtimesteps", "1"))
+
+    def file_of(number: int) -> Path:
+        values = (0, number)[-template.count("%") :]
+        return path.parent / (template % values)
+
+    try:
+        there = [file_of(number).is_file() for number in range(first, first + count)]
+    except (TypeError, ValueError) as error:
+        raise _damaged(path, "nek5000", f"filetemplate: {template}") from error
+    count = there.index(False) if False in there else count
+    if count == 0:
+        msg = f"field.file = {legible_path(path)}: there is no file {legible_path(file_of(first))}"
+        raise ConfigError(msg)
+    found = scratch / "run.nek5000"
+    found.write_text(
+        f"filetemplate: {path.parent.absolute()}/{template}\n"
+        f"firsttimestep: {first}\nnumtimesteps: {count}\n",
+        encoding="utf-8",
+    )
+    return found
+
+
+def _with_dimensions(path: Path, contents: Contents) -> Contents:
+    """Return OpenFOAM's contents with the dimension of its pressure, which may be over density."""
+    folder = _case_folder(path) or path
+    for file in sorted(folder.glob("*/p")):
+        match = re.search(rb"dimensions\s*\[\s*(-?\d+)\s+", file.read_bytes()[:4096])
+        if match and match.group(1) == b"0":
+            return Contents(**{**vars(contents), "units": {**contents.units, "p": "m^2/s^2"}})
+    return contents
+
+
+def _leaves(data: Any) -> Iterator[Any]:
+    """Yield the grids in what a reader returns, blocks in blocks as well."""
+    if hasattr(data, "keys") and hasattr(data, "n_blocks"):
+        for number in range(data.n_blocks):
+            if data[number] is not None:
+                yield from _leaves(data[number])
+    elif data is not None and hasattr(data, "n_cells") and data.n_cells:
+        grid = data.cast_to_unstructured_grid()
+        if grid.n_cells:
+            yield grid
+
+
+def _contents(path: Path, kind: str, data: Any, times: tuple[float, ...]) -> Contents:
+    grids = list(_leaves(data))
+    types = [frozenset(np.unique(grid.celltypes).tolist()) for grid in grids]
+    is_solid = any(found & SOLID for found in types)
+    wanted = SOLID if is_solid else FLAT
+    kept = [grid for grid, found in zip(grids, types, strict=True) if found & wanted]
+    if not kept:
+        msg = (
+            f"field.file = {legible_path(path)}: has no cells with an area or a volume"
+            + (": a truncated file, or one of points and lines" if grids else ": truncated?")
+        )
+        raise ConfigError(msg)
+    pieces = [_piece(path, grid, wanted) for grid in kept]
+    names = [name for name in pieces[0].arrays if all(name in p.arrays for p in pieces)]
+    notes = list(dict.fromkeys(note for piece in pieces for note in piece.notes))
+    offsets = np.cumsum([0] + [len(piece.points) for piece in pieces])
+    cells = [piece.cells + o for piece, o in zip(pieces, offsets, strict=False)]  # type: ignore[operator]
+    return Contents(
+        format=kind,
+        points=np.concatenate([piece.points for piece in pieces]),
+        arrays={name: np.concatenate([piece.arrays[name] for piece in pieces]) for name in names},
+        cells=np.concatenate(cells),
+        file_cells=sum(piece.file_cells for piece in pieces),
+        times=times,
+        notes=tuple(notes),
+    )
+
+
+def _piece(path: Path, grid: Any, wanted: frozenset[int]) -> Contents:
+    """Return one grid's cells of the kinds wanted as simplices, with values at its nodes."""
+    points = np.asarray(grid.points, dtype=np.float64)
+    size = float(np.abs(points).max(initial=0.0))
+    if not np.isfinite(points).all() or size > LARGEST or 0 < size < 1.0 / LARGEST:
+        raise _damaged(path, "a grid", f"coordinates up to {size:.3g}")
+    types = np.asarray(grid.celltypes)
+    connectivity = np.asarray(grid.cell_connectivity, dtype=np.int64)
+    # older pyvista has the second name only, newer ones warn of it
+    starts = grid.cell_offsets if hasattr(grid, "cell_offsets") else grid.offset
+    offset = np.asarray(starts, dtype=np.int64)
+    chosen = np.isin(types, list(wanted))
+    if "vtkGhostType" in grid.cell_data:
+        chosen &= np.asarray(grid.cell_data["vtkGhostType"]) == 0
+    if connectivity.size and (connectivity.min() < 0 or connectivity.max() >= len(points)):
+        raise _damaged(path, "a grid", f"a cell names point {int(connectivity.max())}")
+    sizes = np.diff(offset)
+    simplices, notes = [], []
+    for kind in np.unique(types[chosen]):
+        if kind == POLYHEDRON:
+            simplices.append(_polyhedra(grid, np.flatnonzero(chosen & (types == kind))))
+            continue
+        for count in np.unique(sizes[chosen & (types == kind)]):
+            rows = np.flatnonzero(chosen & (types == kind) & (sizes == count))
+            nodes = connectivity[offset[rows][:, None] + np.arange(count)]
+            found = split_cells(int(kind), nodes)
+            if found is None:
+                notes.append(f"{len(rows)} cells of VTK's type {kind} are left out")
+                continue
+            if len(np.unique(found)) < len(np.unique(nodes)) and int(kind) in CORNERS:
+                notes.append("of cells of higher order the corners are read")
+            simplices.append(found)
+    arrays = _arrays(grid.point_data, len(points))
+    at_cells = _arrays(grid.cell_data, len(types))
+    at_cells = {name: values for name, values in at_cells.items() if name not in arrays}
+    rows = np.flatnonzero(chosen)
+    if at_cells and rows.size:
+        matrix, nodes_of = _to_nodes(points, connectivity, offset, rows)
+        for name, values in at_cells.items():
+            spread = np.full((len(points), *values.shape[1:]), np.nan)
+            spread[nodes_of] = matrix @ values[rows]
+            arrays[name] = spread
+        notes.append("values of cells are taken to the nodes, by a plane through the cells around")
+    empty = np.empty((0, 4 if wanted is SOLID else 3), dtype=np.int64)
+    return Contents(
+        format="",
+        points=points,
+        arrays=arrays,
+        cells=np.concatenate([empty, *simplices]),
+        file_cells=int(chosen.sum()),
+        notes=tuple(notes),
+    )
+
+
+def _arrays(data: Any, count: int) -> dict[str, Array]:
+    """Return the arrays of real numbers among some of VTK's."""
+    found = {}
+    for name in data.keys():  # noqa: SIM118  pyvista's is no dict
+        values = np.asarray(data[name])
+        if values.dtype.kind == "f" and len(values) == count and values.ndim <= 2:
+            found[name] = values
+    return found
+
+
+def _polyhedra(grid: Any, rows: Index) -> Index:
+    """Return the tetrahedra of a grid's polyhedra."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy  # noqa: PLC0415  with pyvista
+
+    faces, located = grid.GetPolyhedronFaces(), grid.GetPolyhedronFaceLocations()
+    nodes = vtk_to_numpy(faces.GetConnectivityArray()).astype(np.int64)
+    ends = vtk_to_numpy(faces.GetOffsetsArray()).astype(np.int64)
+    face = vtk_to_numpy(located.GetConnectivityArray()).astype(np.int64)
+    of_cell = vtk_to_numpy(located.GetOffsetsArray()).astype(np.int64)
+    owner = np.full(len(ends) - 1, -1, dtype=np.int64)
+    owner[face] = np.repeat(np.arange(len(of_cell) - 1), np.diff(of_cell))
+    kept = np.flatnonzero(np.isin(owner, rows))
+    sizes = np.diff(ends)[kept]
+    taken = np.concatenate([nodes[ends[k] : ends[k + 1]] for k in kept])
+    return split_polyhedra(taken, np.concatenate([[0], np.cumsum(sizes)]), owner[kept])
+
+
+def _to_nodes(
+    points: Array, connectivity: Index, offset: Index, rows: Index
+) -> tuple[csr_array, Index]:
+    """Return the matrix from the values of some cells to nodes, and which nodes these are."""
+    sizes = np.diff(offset)[rows]
+    node = np.concatenate([connectivity[offset[row] : offset[row + 1]] for row in rows])
+    cell = np.repeat(np.arange(len(rows)), sizes)
+    used, number = np.unique(node, return_inverse=True)
+    member = csr_array(
+        (np.ones(len(node), dtype=bool), (number.reshape(-1), cell)), (len(used), len(rows))
+    )
+    centres = np.zeros((len(rows), 3))
+    np.add.at(centres, cell, points[node])
+    centres /= sizes[:, None]
+    return cells_to_nodes(points[used], centres, member), used
+
+
+def _knows_xml(suffix: str, path: Path, head: bytes) -> bool:
+    return bool(_xml_kind(head)) and _xml_kind(head) == suffix
+
+
+def _is_exodus(path: Path, head: bytes) -> bool:
+    keys = _hdf5_keys(path, head)
+    return head[:4] in {b"CDF\x01", b"CDF\x02", b"CDF\x05"} or bool(
+        {"coordx", "coord", "eb_prop1"} & keys
+    )
+
+
+READERS: tuple[Reader, ...] = (
+    *(
+        Reader(f"VTK XML ({suffix})", partial(_knows_xml, suffix), partial(_read, "VTK XML", suffix))
+        for suffix in XML_KINDS.values()
+    ),
+    Reader(
+        "VTK legacy",
+        lambda _, head: head.startswith(b"# vtk DataFile"),
+        partial(_read, "VTK legacy", ".vtk"),
+    ),
+    Reader(
+        "VTK HDF",
+        lambda path, head: "VTKHDF" in _hdf5_keys(path, head),
+        partial(_read, "VTK HDF", ".vtkhdf"),
+    ),
+    Reader(
+        "EnSight",
+        lambda _, head: re.search(rb"(?mi)^\s*type:\s*ensight", head) is not None,
+        partial(_read, "EnSight", ".case"),
+    ),
+    Reader("XDMF", lambda _, head: b"<Xdmf" in head, partial(_read, "XDMF", ".xdmf")),
+    Reader(
+        "nek5000",
+        lambda _, head: re.search(rb"(?m)^\s*filetemplate\s*:", head) is not None,
+        partial(_read, "nek5000", ".nek5000"),
+    ),
+    Reader(
+        "Fluent CFF",
+        lambda path, head: bool({"meshes", "results"} & _hdf5_keys(path, head)),
+        partial(_read, "Fluent CFF", ".h5"),
+    ),
+    Reader(
+        "CGNS",
+        lambda path, head: (
+            b"ADF Database Version" in head[:64]
+            or any(key.startswith("CGNSLibraryVersion") for key in _hdf5_keys(path, head))
+        ),
+        partial(_read, "CGNS", ".cgns"),
+    ),
+    Reader("Exodus", _is_exodus, partial(_read, "Exodus", ".e")),
+    Reader(
+        "OpenFOAM",
+        lambda path, _: _case_folder(path) is not None,
+        partial(_read, "OpenFOAM", ".foam"),
+    ),
+    Reader(
+        "HDF5",
+        lambda path, head: "damaged" in _hdf5_keys(path, head),
+        partial(_read, "HDF5", ".cgns"),
+    ),
+)

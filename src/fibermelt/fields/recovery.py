@@ -1,0 +1,155 @@
+"""The velocity gradient from nodal velocities: local polynomials, fitted to the nodes around.
+
+A cubic through the node's own value is fitted by weighted least squares to the nodes within two
+rings of cells, three where that is one-sided: of third order in the edge. A quadratic fitted to the
+same nodes differs from it by the quadratic's error, which is the estimate: far above the cubic's
+error where the mesh resolves the flow, near it where it does not. Reference: Zhang and Naga 2005,
+SIAM J. Sci. Comput. 26, 1192 (doi:10.1137/S1064827503402837), with quadratics without weights.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from fibermelt.fields.patches import own_axes, padded
+from fibermelt.fields.simplices import adjacency, facets
+
+__all__ = ["recovered_gradient"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+CUBIC_DECAY, QUADRATIC_DECAY = 2, 4
+"""Powers of the weights ``exp(-r^2 / d)``, ``r`` in root-mean-square distances of the patch along
+its own axes. Between 0 and 4 the cubic's error moves by a factor of two; the quadratic gains by
+looking near."""
+
+RINGS, RINGS_AT_BOUNDARY, MOST_RINGS = 2, 3, 5
+
+SPARE = 1.2
+"""Nodes around for each coefficient of the cubic, at least."""
+
+WORST_CONDITION = 1e9
+"""Of the cubic's normal matrix, in the patch's own axes: 1e2 to 1e5 on good patches; above, the
+nodes lie on a cubic."""
+
+ROWS, ENTRIES = 20_000, 2_000_000
+"""Nodes whose patches are gathered at once, numbers of a batch of fits: 16 MB an array."""
+
+
+def _monomials(y: Array) -> Array:
+    """Return the products of one to three coordinates (b, d, k) as rows (b, q, k), in that order.
+
+    d, then d (d + 1) / 2, then the cubic ones: what a fit of lower degree takes comes first.
+    """
+    b, d, k = y.shape
+    axes = [item for n in (1, 2, 3) for item in combinations_with_replacement(range(d), n)]
+    place = {item: number for number, item in enumerate(axes)}
+    rows = np.empty((b, len(axes), k))
+    rows[:, :d] = y
+    for number, item in enumerate(axes[d:], start=d):
+        np.multiply(rows[:, place[item[:-1]]], y[:, item[-1]], out=rows[:, number])
+    return rows
+
+
+def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array]:
+    """Return coefficients (b, q, c) of the weighted fits, and the condition of each."""
+    weighted = basis * weight[:, None]
+    normal = weighted @ basis.swapaxes(1, 2)
+    size = np.trace(normal, axis1=1, axis2=2)
+    normal += np.finfo(float).eps * size[:, None, None] * np.eye(normal.shape[-1])
+    inverse = np.linalg.inv(normal)
+    condition = np.abs(normal).sum(axis=2).max(axis=1) * np.abs(inverse).sum(axis=2).max(axis=1)
+    return inverse @ (weighted @ rise), condition
+
+
+def _batches(pattern: csr_array, coefficients: int) -> list[Index]:
+    """Return the rows of patches in batches of nearly equal length, short enough for memory."""
+    length = np.diff(pattern.indptr)
+    order = np.argsort(length, kind="stable")
+    starts, used = [0], 0
+    for place, row in enumerate(order):
+        used += int(length[row]) * coefficients
+        if used > ENTRIES:
+            starts.append(place)
+            used = int(length[row]) * coefficients
+    return [part for part in np.split(order, starts[1:]) if part.size]
+
+
+def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Array, Array]:
+    """Return the velocity gradient at the nodes of a mesh, and an estimate of its error.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Nodes [m], d = 2 or 3.
+    cells : (m, d + 1) int array
+        Triangles or tetrahedra; nodes that share none are no neighbours, however near.
+    velocity : (n, c) array
+        [m/s].
+
+    Returns
+    -------
+    gradient : (n, c, d) array
+        ``d u_i / d x_j`` [1/s].
+    error : (n,) array
+        Estimated error in Frobenius's norm [1/s]: what the cubic differs from the quadratic. Where
+        the mesh has too few nodes for a cubic, a plane is fitted and the whole gradient is in doubt.
+    """
+    n, d = points.shape
+    coefficients = 9 if d == 2 else 19
+    joined = adjacency(cells, n)
+    gradient = np.zeros((n, velocity.shape[1], d))
+    error = np.zeros(n)
+    at_boundary = np.zeros(n, dtype=bool)
+    at_boundary[facets(cells).boundary] = True
+    left = np.flatnonzero(~at_boundary)
+    for rings in range(RINGS, MOST_RINGS + 1):
+        if rings == RINGS_AT_BOUNDARY:
+            left = np.sort(np.concatenate([left, np.flatnonzero(at_boundary)]))
+        failed = []
+        for rows in np.array_split(left, max(1, -(-len(left) // ROWS))):
+            pattern = joined[rows]
+            for _ in range(rings - 1):
+                pattern = pattern @ joined
+            for batch in _batches(pattern, coefficients):
+                centre = rows[batch]
+                good, slopes, doubt = _patch(
+                    points, velocity, centre, pattern[batch], rings == MOST_RINGS
+                )
+                gradient[centre[good]], error[centre[good]] = slopes[good], doubt[good]
+                failed.append(centre[~good])
+        left = np.concatenate(failed) if failed else left[:0]
+    return gradient, error
+
+
+def _patch(
+    points: Array, velocity: Array, centre: Index, pattern: csr_array, is_last: bool
+) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Return which patches will do, the gradients (b, c, d) and their estimated errors (b,)."""
+    d = points.shape[1]
+    # short patches are filled up with the centre, which adds nothing to a fit through it
+    around, is_own = padded(pattern, centre)
+    length = is_own.sum(axis=1)
+    away = points[around] - points[centre, None]
+    rise = velocity[around] - velocity[centre, None]
+    axes = own_axes(away, length)
+    y = axes @ away.swapaxes(1, 2)
+    basis = _monomials(y)
+    near = np.exp(-np.einsum("bik,bik->bk", y, y) / d)
+    cubic, condition = _fit(basis, rise, near**CUBIC_DECAY)
+    of_two = d + d * (d + 1) // 2
+    quadratic, _ = _fit(basis[:, :of_two], rise, near**QUADRATIC_DECAY)
+    good = (condition < WORST_CONDITION) & (length - 1 >= SPARE * (9 if d == 2 else 19))
+    slopes = cubic[:, :d].swapaxes(1, 2) @ axes
+    doubt = np.linalg.norm(slopes - quadratic[:, :d].swapaxes(1, 2) @ axes, axis=(1, 2))
+    if is_last and not good.all():
+        plane = _fit(basis[:, :d], rise, near**QUADRATIC_DECAY)[0].swapaxes(1, 2) @ axes
+        slopes[~good] = plane[~good]
+        doubt[~good] = np.linalg.norm(plane[~good], axis=(1, 2))
+        good = np.ones_like(good)
+    return good, slopes, doubt
