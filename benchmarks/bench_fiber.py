@@ -53,8 +53,8 @@ FORMS = (
 
 
 @pytest.fixture(scope="module")
-def path(lines: tuple[Streamline, ...]) -> fm.PathBundle:
-    return fm.PathBundle([line.history for line in lines])
+def path(lines: tuple[Streamline, ...]) -> fm.FlowHistory:
+    return fm.FlowHistory.stack([line.history for line in lines])
 
 
 @pytest.fixture(scope="module")
@@ -75,14 +75,14 @@ def newton_rate(lines: tuple[Streamline, ...]) -> float:
     return NEWTON_STEPS / seconds(lambda: follow_newton(system, FIBER, short, MU, 0.3))
 
 
-def in_the_plane(model: FiberModel, path: fm.PathBundle) -> object:
+def in_the_plane(model: FiberModel, path: fm.FlowHistory) -> object:
     """Follow the paper's 13 fibers, and find both extremes and their places at every point."""
     motion = fm.follow(path, model.response.shape_factor, fm.paper_angles())
     pressure = fm.surface_pressure(path, model.response, MU, motion)
     return pressure.lowest, pressure.highest, pressure.where_lowest, pressure.where_highest
 
 
-def work(form: str, path: fm.PathBundle) -> tuple[Callable[[], object], int]:
+def work(form: str, path: fm.FlowHistory) -> tuple[Callable[[], object], int]:
     """Return what is timed and the fibers on each streamline; what is solved once is not timed."""
     count = fm.paper_angles().size
     if form == "confined-ellipse":
@@ -120,7 +120,7 @@ def work(form: str, path: fm.PathBundle) -> tuple[Callable[[], object], int]:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_fiber_steps(
-    benchmark: BenchmarkFixture, path: fm.PathBundle, newton_rate: float, form: str
+    benchmark: BenchmarkFixture, path: fm.FlowHistory, newton_rate: float, form: str
 ) -> None:
     """Fiber-steps per second of a closed form, the paper's algorithm beside it in the same run."""
     action, count = work(form, path)
@@ -138,7 +138,7 @@ def test_fiber_steps(
 def test_fiber_stage_against_the_papers_algorithm(
     benchmark: BenchmarkFixture,
     lines: tuple[Streamline, ...],
-    path: fm.PathBundle,
+    path: fm.FlowHistory,
     newton_rate: float,
 ) -> None:
     """The chain's own: 22 x 13 trajectories, extremes at both locations, and where they are."""

@@ -17,7 +17,6 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
 from fibermelt.fiber import follow, isotropic_angles, paper_angles, solve_cell, solve_thinning
-from fibermelt.fiber.paths import PathBundle
 from fibermelt.history import FlowHistory
 from fibermelt.melt import CarreauYasuda, PowerLaw, ViscosityLaw
 
@@ -60,7 +59,7 @@ def test_thinning_fibers(benchmark: BenchmarkFixture) -> None:
         gradient[:, 0, 1] = 12.5 * strength * np.cos(t)
         zero = np.zeros((t.size, 2))
         paths.append(FlowHistory(t, zero, zero + 1.0, gradient, t))
-    bundle = PathBundle(paths)
+    bundle = FlowHistory.stack(paths)
     few = spent(lambda: follow(bundle, table, paper_angles()))
     many = spent(lambda: follow(bundle, table, isotropic_angles(200)))
     print(f"\n200 fibers after 13: {many / few:.2f} of their time ({few:.2f} s)")

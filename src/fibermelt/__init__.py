@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from fibermelt.fiber.models import unbounded_model
     from fibermelt.fiber.motion import follow, isotropic_angles, paper_angles
     from fibermelt.fiber.orbit import orbit
-    from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.pressure import pressure_bounds, surface_pressure
     from fibermelt.fiber.shape import Ellipse
     from fibermelt.fiber.stall import stall_curve
@@ -59,7 +58,6 @@ _HOMES = {
     "follow": "fiber.motion",
     "isotropic_angles": "fiber.motion",
     "paper_angles": "fiber.motion",
-    "PathBundle": "fiber.paths",
     "pressure_bounds": "fiber.pressure",
     "surface_pressure": "fiber.pressure",
     "Ellipse": "fiber.shape",
@@ -105,7 +103,6 @@ __all__ = [
     "MeshError",
     "Newtonian",
     "Nozzle",
-    "PathBundle",
     "PowerLaw",
     "StoreError",
     "closure",

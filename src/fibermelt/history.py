@@ -1,46 +1,87 @@
 """The flow history of a material point: the one value that joins the two scales.
 
 Whoever makes one (the deposition solver, another solver's fields, a formula) can feed a fiber;
-the fiber never knows where it came from.
+the fiber never knows where it came from. A history is in space; one that stays in a plane says so,
+and is followed there at no more cost.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.arrays import Unchanging, real_array
-from fibermelt.errors import HistoryError, refuse_no_count, refuse_no_number
+from fibermelt.errors import HistoryError, refuse_no_count, refuse_no_number, refuse_other
 
-__all__ = ["FlowHistory", "simple_shear"]
+__all__ = ["Consistency", "FlowHistory", "simple_shear"]
 
 Array = NDArray[np.float64]
 
 TRACE_TOLERANCE = 1e-8
 """Largest |trace L| / |L| of an incompressible history: rounding, not discretisation."""
 
+ATMOSPHERE = 101325.0
+"""Standard pressure of the air [Pa]."""
 
-@dataclass(frozen=True, eq=False)
-class FlowHistory(Unchanging):
-    """What a material point meets on its way, in SI units.
+LARGEST_MISS = 0.1
+"""Part of a history's own changes by which its data may disagree before it is told: the paper's
+bead, whose gradient is recovered from finite elements, has 1e-3."""
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """How well the data of a history agree with one another; all are zero for an exact one.
 
     Parameters
     ----------
-    time : (n,) array
+    transport : float
+        ``dx/dt = u``: what positions and velocities disagree by, summed over the intervals, in
+        parts of the way [-].
+    steadiness : float
+        ``du/dt = L u`` of a steady flow: the same of velocities and gradients, in parts of the
+        velocity's changes [-].
+    coarseness : float
+        What every second point says wrong of the gradient between, as the strain that it stands
+        for, in parts of the whole strain [-]: the square of the points' spacing.
+    told : tuple of str
+        What does not fit, in words, with how much and what it may come from; empty if all does.
+    """
+
+    transport: float
+    steadiness: float
+    coarseness: float
+    told: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FlowHistory(Unchanging):
+    """What a material point meets on its way, in SI units; or several points, stacked.
+
+    Every array has the axes ``(..., n)`` of the paths' points: ``(n,)`` for one path, leading axes
+    for several of equal length (`FlowHistory.stack`). A path in the plane may be given with two
+    components, and has the third as zeros.
+
+    Parameters
+    ----------
+    time : (..., n) array
         Time since the start of the path [s], strictly increasing; durations (``timedelta64``) are
         taken as seconds.
-    position : (n, 2) array
+    position : (..., n, 3) or (..., n, 2) array
         Where the point is [m].
-    velocity : (n, 2) array
+    velocity : (..., n, 3) or (..., n, 2) array
         Velocity of the melt there [m/s].
-    gradient : (n, 2, 2) array
+    gradient : (..., n, 3, 3) or (..., n, 2, 2) array
         Velocity gradient ``L[i, j] = d u_i / d x_j`` [1/s], without trace.
-    pressure : (n,) array
+    pressure : (..., n) array
         Pressure of the melt [Pa], zero in the surrounding air.
-    viscosity : (n,) array, optional
+    viscosity : (..., n) array, optional
         Viscosity of the melt [Pa s] at its rate of deformation, > 0.
+    temperature : (..., n) array, optional
+        Temperature of the melt [K], > 0.
 
     Raises
     ------
@@ -60,91 +101,282 @@ class FlowHistory(Unchanging):
     gradient: Array
     pressure: Array
     viscosity: Array | None = None
+    temperature: Array | None = None
 
     def __post_init__(self) -> None:
         """Take the numbers over, and refuse what no incompressible melt can do."""
-        names = ["time", "position", "velocity", "gradient", "pressure"]
-        names += ["viscosity"] if self.viscosity is not None else []
-        for name in names:
+        for name in self.quantities:
             value = getattr(self, name)
             numbers = real_array(
                 f"history: {name}", value, error=HistoryError, duration=name == "time"
             )
             object.__setattr__(self, name, np.array(numbers))
+        self._take_shape()
         super().__post_init__()
-        n = self.time.size
-        shapes = {
-            "time": (n,),
-            "position": (n, 2),
-            "velocity": (n, 2),
-            "gradient": (n, 2, 2),
-            "pressure": (n,),
-            "viscosity": (n,),
-        }
-        for name in names:
-            shape = shapes[name]
-            value = getattr(self, name)
+        for name in self.quantities:
+            _refuse_infinite(name, getattr(self, name), self.time.ndim)
+        for name, unit in (("viscosity", "Pa s"), ("temperature", "K")):
+            _refuse_negative(name, getattr(self, name), unit)
+        _refuse_still(self.time)
+        _refuse_trace(self.gradient)
+
+    def _take_shape(self) -> None:
+        """Embed what is given in a plane, and refuse shapes that disagree."""
+        axes = self.time.shape
+        if not axes or axes[-1] < 2:
+            msg = f"history: {axes[-1] if axes else 1} points of time: a path has at least 2"
+            raise HistoryError(msg)
+        d = 2 if self.position.shape == (*axes, 2) else 3
+        tails = {"position": (d,), "velocity": (d,), "gradient": (d, d)}
+        for name in self.quantities:
+            value, shape = getattr(self, name), (*axes, *tails.get(name, ()))
             if value.shape != shape:
                 msg = f"history: {name} has shape {value.shape}, expected {shape} like time"
                 raise HistoryError(msg)
-            if not np.all(np.isfinite(value)):
-                bad = int(np.flatnonzero(~np.isfinite(value.reshape(n, -1)).all(axis=1))[0])
-                msg = f"history: {name}[{bad}] = {value[bad]} is not finite"
-                raise HistoryError(msg)
-        if self.viscosity is not None and not np.all(self.viscosity > 0):
-            bad = int(np.argmin(self.viscosity))
-            msg = f"history: viscosity[{bad}] = {self.viscosity[bad]:g} Pa s must be positive"
-            raise HistoryError(msg)
-        _refuse_still(self.time)
-        trace = np.abs(np.trace(self.gradient, axis1=1, axis2=2))
-        size = np.linalg.norm(self.gradient, axis=(1, 2))
-        worst = int(np.argmax(trace - TRACE_TOLERANCE * size))
-        if trace[worst] > TRACE_TOLERANCE * size[worst]:
+            if name in tails and d == 2:
+                across = [(0, 0)] * len(axes) + [(0, 1)] * len(tails[name])
+                object.__setattr__(self, name, np.pad(value, across))
+
+    @classmethod
+    def stack(cls, histories: Sequence[FlowHistory]) -> FlowHistory:
+        """Return histories of equal number of points as one, along a new leading axis.
+
+        Raises
+        ------
+        HistoryError
+            If there is none, or their numbers of points differ.
+        ConfigError
+            If one is no history.
+        """
+        refuse_other("histories", histories, Sequence)
+        for k, history in enumerate(histories):
+            refuse_other(f"histories[{k}]", history, FlowHistory)
+        lengths = sorted({len(history) for history in histories})
+        if len(lengths) != 1 or len({history.time.shape for history in histories}) != 1:
             msg = (
-                f"history: gradient[{worst}] has trace {trace[worst]:.3g} 1/s; an incompressible "
-                f"melt has none (bound {TRACE_TOLERANCE:g} |L|): remove it before"
+                f"histories of {lengths or 'no'} points cannot be stacked: trace them with one "
+                "number of points, or follow them one by one"
             )
             raise HistoryError(msg)
+        return cls(
+            **{
+                name: np.stack([getattr(history, name) for history in histories])
+                for name in QUANTITIES
+                if all(getattr(history, name) is not None for history in histories)
+            }
+        )
 
     def __len__(self) -> int:
-        """Return the number of points on the path."""
-        return int(self.time.shape[0])
+        """Return the number of points on a path."""
+        return int(self.time.shape[-1])
+
+    def __repr__(self) -> str:
+        """Return what it is, in a line."""
+        paths = (
+            "" if self.time.ndim == 1 else f"{' x '.join(map(str, self.time.shape[:-1]))} paths, "
+        )
+        where = "in the plane" if self.planar else "in space"
+        return (
+            f"FlowHistory({paths}{len(self)} points {where}, {np.max(self.time):.3g} s, strain "
+            f"{np.max(self.strain):.3g}, pressure {self.pressure.min():.3g} to "
+            f"{self.pressure.max():.3g} Pa)"
+        )
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Return the names of what is known at the points."""
+        return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
+
+    @cached_property
+    def planar(self) -> bool:
+        """Tell whether nothing leaves a plane z = const, neither the path nor the flow there."""
+        across = (self.gradient[..., 2, :], self.gradient[..., :, 2], self.velocity[..., 2])
+        z = self.position[..., 2]
+        return not any(np.any(part) for part in across) and bool(np.all(z == z[..., :1]))
+
+    @cached_property
+    def plane_gradient(self) -> Array:
+        """Return the gradient's part in the plane of x and y [1/s], (..., n, 2, 2)."""
+        return np.ascontiguousarray(self.gradient[..., :2, :2])
+
+    @cached_property
+    def lines(self) -> tuple[FlowHistory, ...]:
+        """Return the paths one by one; a single path alone."""
+        if self.time.ndim == 1:
+            return (self,)
+        n = len(self)
+        rows = int(np.prod(self.time.shape[:-1]))
+        tails = {name: getattr(self, name).shape[self.time.ndim :] for name in self.quantities}
+        flat = {name: getattr(self, name).reshape(rows, n, *tail) for name, tail in tails.items()}
+        return tuple(
+            FlowHistory(**{name: values[k] for name, values in flat.items()}) for k in range(rows)
+        )
+
+    def every_second(self) -> FlowHistory:
+        """Return the history of every second point, the last one among them.
+
+        What is computed from it differs from the whole's by an estimate of the error that the
+        points' spacing makes; for one of order two or more it is an overestimate.
+
+        Raises
+        ------
+        HistoryError
+            If there are fewer than 3 points.
+        """
+        keep = np.arange(len(self)) % 2 == (len(self) - 1) % 2
+        keep[0] = True
+        lead = self.time.ndim - 1
+        return FlowHistory(
+            **{name: getattr(self, name).compress(keep, axis=lead) for name in self.quantities}
+        )
 
     @property
     def strain_rate(self) -> Array:
-        """Return ``D = (L + L^T)/2`` [1/s], shape (n, 2, 2) (the paper's Gamma of Eq. 4)."""
+        """Return ``D = (L + L^T)/2`` [1/s], shape (..., n, 3, 3) (the paper's Gamma of Eq. 4)."""
         return 0.5 * (self.gradient + self.gradient.swapaxes(-1, -2))
 
     @property
     def spin(self) -> Array:
-        """Return ``W_21 = (dv/dx - du/dy)/2`` [1/s], shape (n,): the melt's own rotation."""
-        spin: Array = 0.5 * (self.gradient[:, 1, 0] - self.gradient[:, 0, 1])
+        """Return ``W_21 = (dv/dx - du/dy)/2`` [1/s], (..., n): the melt's rotation about z."""
+        spin: Array = 0.5 * (self.gradient[..., 1, 0] - self.gradient[..., 0, 1])
         return spin
 
     @property
     def shear_rate(self) -> Array:
-        """Return ``gamma_dot = sqrt(2 D:D)`` [1/s], shape (n,) (below the paper's Eq. 4)."""
+        """Return ``gamma_dot = sqrt(2 D:D)`` [1/s], shape (..., n) (below the paper's Eq. 4)."""
         D = self.strain_rate
-        rate: Array = np.sqrt(2.0 * np.einsum("nij,nij->n", D, D))
+        rate: Array = np.sqrt(2.0 * np.einsum("...ij,...ij->...", D, D))
         return rate
 
     @property
+    def strain(self) -> Array:
+        """Return ``int gamma_dot dt`` over each path [-], shape (...), by the trapezoidal rule."""
+        return np.asarray(np.trapezoid(self.shear_rate, self.time, axis=-1))
+
+    @property
     def direction(self) -> Array:
-        """Return the angle of the velocity from the x axis [rad], continuous along the path."""
-        return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
+        """Return the angle of the velocity from the x axis [rad], (..., n), continuous in time.
+
+        As seen along z. A melt at rest has no direction; it is given the x axis.
+        """
+        angle = np.arctan2(self.velocity[..., 1], self.velocity[..., 0])
+        return np.asarray(np.unwrap(angle, axis=-1))
+
+    def consistency(self) -> Consistency:
+        """Return how well position, velocity and gradient agree, and what does not, in words.
+
+        Intervals are integrated by the trapezoidal rule, so that a line of few points is told, too.
+        """
+        transport = _miss(self.position, self.velocity, self.time)
+        flow, turned = (
+            np.einsum(f"...{axes},...j->...i", self.gradient, self.velocity)
+            for axes in ("ij", "ji")
+        )
+        steadiness = _miss(self.velocity, flow, self.time)
+        transposed = _miss(self.velocity, turned, self.time)
+        coarseness = _coarseness(self.gradient, self.time)
+        told = []
+        if transport > LARGEST_MISS:
+            told.append(
+                f"positions and velocities disagree by {transport:.2g} of the way (dx/dt = u): "
+                "check the units of length, velocity and time, or take more points"
+            )
+        if steadiness > LARGEST_MISS and transposed < 0.5 * steadiness:
+            told.append(
+                f"the gradient seems to be transposed: du/dt = L u misses by {steadiness:.2g} of "
+                f"the velocity's changes, with L^T by {transposed:.2g}; L[i, j] is d u_i/d x_j"
+            )
+        elif steadiness > LARGEST_MISS:
+            told.append(
+                f"velocities and gradients disagree by {steadiness:.2g} of the velocity's changes "
+                "(du/dt = L u): the flow is not steady, the gradient poor, or the points too few"
+            )
+        if coarseness > LARGEST_MISS:
+            told.append(
+                f"{len(self)} points are few: every second one misses {coarseness:.2g} of the "
+                "strain; take more points"
+            )
+        ends = self.pressure[..., -1]
+        if np.all(np.abs(ends - ATMOSPHERE) < 0.05 * ATMOSPHERE):
+            told.append(
+                f"pressure ends at {float(np.mean(ends)):.6g} Pa, that of the air: it seems to be "
+                "absolute; here it is zero in the surrounding air, so subtract 101325 Pa"
+            )
+        return Consistency(transport, steadiness, coarseness, tuple(told))
+
+
+QUANTITIES = tuple(field.name for field in fields(FlowHistory))
+"""What can be known at the points of a path."""
+
+
+def _miss(values: Array, rate: Array, time: Array) -> float:
+    """Return how far ``values`` (..., n, 3) are from the integral of their rate, in their parts."""
+    step = np.diff(time, axis=-1)[..., None]
+    gone = np.diff(values, axis=-2)
+    said = 0.5 * step * (rate[..., 1:, :] + rate[..., :-1, :])
+    whole = max(_length(gone), _length(said))
+    return _length(gone - said) / whole if whole > 0.0 else 0.0
+
+
+def _length(moves: Array) -> float:
+    """Return the sum of the sizes of vectors."""
+    return float(np.sum(np.linalg.norm(moves, axis=-1)))
+
+
+def _coarseness(gradient: Array, time: Array) -> float:
+    """Return what linear interpolation between every second point misses of the gradient [-]."""
+    if time.shape[-1] < 3:
+        return 1.0
+    step = time[..., 2:] - time[..., :-2]
+    part = ((time[..., 1:-1] - time[..., :-2]) / step)[..., None, None]
+    between = (1.0 - part) * gradient[..., :-2, :, :] + part * gradient[..., 2:, :, :]
+    miss = np.linalg.norm(gradient[..., 1:-1, :, :] - between, axis=(-2, -1))
+    whole = float(np.sum(step * np.linalg.norm(gradient[..., 1:-1, :, :], axis=(-2, -1))))
+    return float(np.sum(step * miss)) / whole if whole > 0.0 else 0.0
+
+
+def _refuse_infinite(name: str, value: Array, axes: int) -> None:
+    """Refuse what is not finite, with its place."""
+    if np.all(np.isfinite(value)):
+        return
+    points = np.isfinite(value.reshape(*value.shape[:axes], -1)).all(axis=-1)
+    where = tuple(int(k) for k in np.argwhere(~points)[0])
+    msg = f"history: {name}[{', '.join(map(str, where))}] = {value[where]} is not finite"
+    raise HistoryError(msg)
+
+
+def _refuse_negative(name: str, value: Array | None, unit: str) -> None:
+    """Refuse what is not positive, with its place."""
+    if value is None or np.all(value > 0.0):
+        return
+    where = tuple(int(k) for k in np.unravel_index(np.argmin(value), value.shape))
+    place = ", ".join(map(str, where))
+    msg = f"history: {name}[{place}] = {value[where]:g} {unit} must be positive"
+    raise HistoryError(msg)
 
 
 def _refuse_still(time: Array) -> None:
-    """Refuse times that are too few or do not increase."""
-    if time.size < 2:
-        msg = f"history: {time.size} points of time: a path has at least 2"
-        raise HistoryError(msg)
-    still = np.flatnonzero(np.diff(time) <= 0.0)
+    """Refuse times that do not increase."""
+    still = np.argwhere(np.diff(time, axis=-1) <= 0.0)
     if still.size:
-        k = int(still[0])
+        *lead, k = (int(i) for i in still[0])
+        line, place = time[tuple(lead)], ", ".join(map(str, (*lead, k + 1)))
         msg = (
-            f"history: time must increase strictly, but time[{k + 1}] = {time[k + 1]:.12g} s "
-            f"follows {time[k]:.12g} s: leave out points that are met twice"
+            f"history: time must increase strictly, but time[{place}] = {line[k + 1]:.12g} s "
+            f"follows {line[k]:.12g} s: leave out points that are met twice"
+        )
+        raise HistoryError(msg)
+
+
+def _refuse_trace(gradient: Array) -> None:
+    """Refuse gradients of a flow that swells or shrinks."""
+    trace = np.abs(np.trace(gradient, axis1=-2, axis2=-1))
+    excess = trace - TRACE_TOLERANCE * np.linalg.norm(gradient, axis=(-2, -1))
+    where = tuple(int(k) for k in np.unravel_index(np.argmax(excess), excess.shape))
+    if excess[where] > 0.0:
+        msg = (
+            f"history: gradient[{', '.join(map(str, where))}] has trace {trace[where]:.3g} 1/s; "
+            f"an incompressible melt has none (bound {TRACE_TOLERANCE:g} |L|): remove it before"
         )
         raise HistoryError(msg)
 

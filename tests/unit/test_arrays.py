@@ -124,7 +124,7 @@ RESPONSE = fm.unbounded_ellipse(fm.Ellipse(1.0, 6.0))
 MOTION = fm.follow(HISTORY, 0.9, [0.0])
 KEEPING = {
     "history": HISTORY,
-    "bundle": fm.PathBundle([HISTORY, HISTORY]),
+    "bundle": fm.FlowHistory.stack([HISTORY, HISTORY]),
     "response": RESPONSE,
     "pressure": fm.surface_pressure(HISTORY, RESPONSE, 817.0, MOTION),
     "stall curve": StallCurve(6.0, np.array([3.0, 4.0]), np.array([1.1, 0.9]), 0.0),

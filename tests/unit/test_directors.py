@@ -1,16 +1,13 @@
 """Directors in three dimensions along a path, Jeffery's orbits, sets of directions."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from examples_drawn import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
+from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.fiber import (
-    PathBundle,
     equal_area_directions,
     follow,
     follow_directors,
@@ -34,13 +31,12 @@ seeds = st.integers(0, 2**31)
 ratios = st.floats(0.05, 30.0)
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialPath:
-    time: np.ndarray
-    gradient: np.ndarray
+def in_space(time: np.ndarray, gradient: np.ndarray) -> FlowHistory:
+    still = np.zeros((len(time), 3))
+    return FlowHistory(time, still, still, gradient, np.zeros(len(time)))
 
 
-def winding(points: int, turn: np.ndarray | None = None) -> SpatialPath:
+def winding(points: int, turn: np.ndarray | None = None) -> FlowHistory:
     """A gradient with all components, the whole flow turned."""
     t = np.linspace(0.0, 6.0, points)
     L = np.empty((points, 3, 3))
@@ -49,7 +45,7 @@ def winding(points: int, turn: np.ndarray | None = None) -> SpatialPath:
             L[:, i, j] = 0.3 * np.cos((1.0 + 0.3 * i) * t + j) + (i == 0 and j == 1)
     L -= np.trace(L, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
     Q = np.eye(3) if turn is None else turn
-    return SpatialPath(t, Q @ L @ Q.T)
+    return in_space(t, Q @ L @ Q.T)
 
 
 def planar(points: int, duration: float = 6.0) -> FlowHistory:
@@ -110,7 +106,7 @@ def test_in_the_plane_it_is_the_planar_motion(factor: float) -> None:
 def test_a_bundle_is_its_paths() -> None:
     paths = [planar(50, duration) for duration in (3.0, 5.0, 11.0)]
     starts = equal_area_directions(5)
-    together = follow_directors(PathBundle(paths), 1.03, starts)
+    together = follow_directors(FlowHistory.stack(paths), 1.03, starts)
     assert together.direction.shape == (3, 5, 50, 3)
     assert together.log_stretch.shape == (3, 5, 50)
     for one, path in zip(together.direction, paths, strict=True):
@@ -142,8 +138,8 @@ def test_density_is_conserved() -> None:
     Directions of equal area are therefore taken at the end and followed back on the reversed path.
     """
     whole = winding(61)
-    path = SpatialPath(whole.time[:31], whole.gradient[:31])
-    back = SpatialPath(path.time, -path.gradient[::-1])
+    path = in_space(whole.time[:31], whole.gradient[:31])
+    back = in_space(path.time, -path.gradient[::-1])
     ends = equal_area_directions(20000)
     reversed_motion = follow_directors(back, XI, ends)
     density = np.exp(-3.0 * reversed_motion.log_stretch[:, -1])  # |F p_0| = 1/|F^-1 p|
@@ -166,9 +162,7 @@ def test_long_and_strong_flows_overflow_nothing() -> None:
     upright = follow_directors(simple_shear(1.0, 1e4, 2001), 1.25, np.array([[0.0, 0.0, 1.0]]))
     assert np.all(upright.direction == np.array([0.0, 0.0, 1.0]))
     assert np.max(np.abs(upright.log_stretch)) < 1e-9
-    stretch = SpatialPath(
-        np.array([0.0, 1.0]), np.tile(np.diag([300.0, -100.0, -200.0]), (2, 1, 1))
-    )
+    stretch = in_space(np.array([0.0, 1.0]), np.tile(np.diag([300.0, -100.0, -200.0]), (2, 1, 1)))
     ends = follow_directors(stretch, 1.0, np.vstack([starts, np.eye(3)])).direction[:, -1]
     assert np.abs(ends[:-2, 0]) == pytest.approx(1.0, abs=ROUNDING)
     assert ends[-2:].tolist() == np.eye(3)[1:].tolist()
@@ -211,12 +205,11 @@ def test_bad_input() -> None:
         follow_directors(history, np.nan, axis)
     with pytest.raises(ConfigError, match="tolerance = 0"):
         follow_directors(history, XI, axis, tolerance=0.0)
-    traced = SpatialPath(np.array([0.0, 1.0]), np.tile(np.eye(3), (2, 1, 1)))
-    with pytest.raises(HistoryError, match=r"gradient\[0\] has trace 3"):
-        follow_directors(traced, XI, axis)
+    with pytest.raises(ConfigError, match="path is of the type tuple, must be FlowHistory"):
+        follow_directors((history.time, history.gradient), XI, axis)  # type: ignore[arg-type]
     with pytest.raises(ConvergenceError, match="more points"):
         follow_directors(simple_shear(1e6, 1.0, 2), XI, axis)
-    fast = SpatialPath(np.array([0.0, 1.0]), np.tile(np.diag([900.0, 0, -900.0]), (2, 1, 1)))
+    fast = in_space(np.array([0.0, 1.0]), np.tile(np.diag([900.0, 0, -900.0]), (2, 1, 1)))
     with pytest.raises(ConvergenceError, match="to nothing"):
         follow_directors(fast, 1.0, np.array([[0.0, 0.0, 1.0]]))
     with pytest.raises(ConfigError, match="count = 0"):

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import (
     Ellipse,
-    PathBundle,
     ellipse_extremes,
     extreme_bounds,
     extremes,
@@ -43,7 +42,7 @@ def wandering(seed: int, points: int = 80) -> FlowHistory:
     return FlowHistory(t, position, velocity, L, 1e5 * np.cos(t))
 
 
-def chain(history: FlowHistory | PathBundle, start: np.ndarray, mu: float = MU):
+def chain(history: FlowHistory, start: np.ndarray, mu: float = MU):
     motion = follow(history, RESPONSE.shape_factor, start)
     return motion, surface_pressure(history, RESPONSE, mu, motion)
 
@@ -156,7 +155,7 @@ def test_extremes_are_where_they_say() -> None:
 
 def test_statistics_over_the_initial_angles() -> None:
     histories = [wandering(seed) for seed in range(3)]
-    bundle = PathBundle(histories)
+    bundle = FlowHistory.stack(histories)
     motion, pressure = chain(bundle, paper_angles())
     middle = np.array([1.0, 1.5, 2.0])
     found = extremes(bundle, pressure, motion, middle)
@@ -173,7 +172,7 @@ def test_statistics_over_the_initial_angles() -> None:
 
 
 def test_isotropic_quantiles() -> None:
-    bundle = PathBundle([wandering(seed, 40) for seed in range(2)])
+    bundle = FlowHistory.stack([wandering(seed, 40) for seed in range(2)])
     middle = np.array([1.0, 2.0])
     found = isotropic_pressure(bundle, RESPONSE, MU, middle)
     bounds = pressure_bounds(bundle, RESPONSE, MU)

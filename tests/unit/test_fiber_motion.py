@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
 from fibermelt.fiber import (
-    PathBundle,
     angle_to_stream,
     angle_to_stream_at,
     follow,
@@ -127,7 +126,7 @@ def test_fibers_never_overtake(factor: float) -> None:
 
 def test_a_bundle_is_its_paths() -> None:
     paths = [winding(50, duration) for duration in (3.0, 5.0, 11.0)]
-    together = follow(PathBundle(paths), 1.03, paper_angles())
+    together = follow(FlowHistory.stack(paths), 1.03, paper_angles())
     assert together.angle.shape == (3, 13, 50)
     for one, path in zip(together.angle, paths, strict=True):
         assert one == pytest.approx(follow(path, 1.03, paper_angles()).angle, abs=ANGLE)
@@ -165,7 +164,7 @@ def test_bad_input() -> None:
     with pytest.raises(ConfigError, match="count = 0"):
         isotropic_angles(0)
     with pytest.raises(HistoryError, match="cannot be stacked"):
-        PathBundle([winding(5), winding(6)])
+        FlowHistory.stack([winding(5), winding(6)])
     with pytest.raises(ConfigError, match="outside the path"):
         angle_to_stream_at(history, follow(history, 1.0, paper_angles()), np.array([99.0]))
     with pytest.raises(ConvergenceError, match="more points"):

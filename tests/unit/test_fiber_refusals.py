@@ -15,7 +15,6 @@ from fibermelt.errors import ConfigError, HistoryError
 from fibermelt.fiber import (
     Ellipse,
     Ellipsoid,
-    PathBundle,
     Spheroid,
     follow,
     unbounded_ellipse,
@@ -292,9 +291,9 @@ def test_the_list_is_complete(name: str) -> None:
 
 
 def test_paths_are_checked_when_they_are_made() -> None:
-    """So that `PathBundle` and all that takes a path need not look again."""
+    """So that `FlowHistory.stack` and all that takes a path need not look again."""
     with pytest.raises(HistoryError, match="has trace"):
-        PathBundle([history(PLANAR), history(np.diag([1.0, 0.0]))])
+        FlowHistory.stack([history(PLANAR), history(np.diag([1.0, 0.0]))])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fibermelt.errors import HistoryError
-from fibermelt.fiber import PathBundle, follow
+from fibermelt.fiber import follow
 from fibermelt.history import FlowHistory, simple_shear
 
 PLAIN = {
@@ -38,7 +38,7 @@ def test_what_a_history_was_made_of_may_change_afterwards() -> None:
 def test_a_history_and_a_bundle_stay_as_they_are(name: str) -> None:
     # `follow` keeps the last path's map for the next set of angles: it must not go stale
     history = simple_shear(1.0, 3.0, 4)
-    for kept in (history, PathBundle([history, history])):
+    for kept in (history, FlowHistory.stack([history, history])):
         with pytest.raises(ValueError, match="read-only"):
             getattr(kept, name)[...] = 0.0
 

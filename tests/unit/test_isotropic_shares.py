@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from fibermelt.fiber import (
     Ellipse,
     FiberResponse,
-    PathBundle,
     extremes,
     follow,
     isotropic_angles,
@@ -199,10 +198,10 @@ def test_mirrored_axes_change_nothing() -> None:
 def test_paths_do_not_notice_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
     paths, response = [history(seed) for seed in range(5)], RESPONSES["ellipse"]
     middle = np.linspace(1.0, 2.0, 5)
-    whole = isotropic_pressure(PathBundle(paths), response, MU, middle)
+    whole = isotropic_pressure(FlowHistory.stack(paths), response, MU, middle)
     monkeypatch.setattr(population, "BLOCK", 2 * 60)
-    cut = isotropic_pressure(PathBundle(paths[::-1]), response, MU, middle[::-1])
-    room = BRACKET * pressure_bounds(PathBundle(paths), response, MU).highest.max()
+    cut = isotropic_pressure(FlowHistory.stack(paths[::-1]), response, MU, middle[::-1])
+    room = BRACKET * pressure_bounds(FlowHistory.stack(paths), response, MU).highest.max()
     for name in ("lowest", "highest", "extremes"):
         assert getattr(cut, name)[::-1] == pytest.approx(getattr(whole, name), abs=room)
     alone = isotropic_pressure(paths[3], response, MU, middle[3])

@@ -75,10 +75,10 @@ def test_a_cell_in_place_of_its_response(call):
         ("initial_angles is no array of numbers", lambda: fm.follow(HISTORY, 0.9, ["0 deg"])),
         ("shape_factor = '0.9': must be one number", lambda: fm.follow(HISTORY, "0.9", [0.0])),
         (
-            "path is of the type Solved, must be FlowHistory or PathBundle",
+            "path is of the type Solved, must be FlowHistory",
             lambda: fm.follow(Solved(), 0.9, [0.0]),
         ),
-        ("histories is of the type FlowHistory", lambda: fm.PathBundle(HISTORY)),
+        ("histories is of the type FlowHistory", lambda: fm.FlowHistory.stack(HISTORY)),
         (r"count = 2.5: must be a whole number of at least 1", lambda: fm.isotropic_angles(2.5)),
         (r"count = True: must be a whole number", lambda: fm.isotropic_angles(True)),
         (r"points = 2.5: must be a whole number", lambda: fm.simple_shear(1.0, 1.0, 2.5)),

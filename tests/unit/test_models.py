@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import (
     Ellipse,
-    PathBundle,
     Spheroid,
     embed_planar,
     equal_area_directions,
@@ -140,7 +139,7 @@ def test_in_space_it_is_what_the_directors_do() -> None:
 
 
 def test_extremes_in_space_lie_within_the_bounds() -> None:
-    path = PathBundle([winding(), winding(0.5)])
+    path = FlowHistory.stack([winding(), winding(0.5)])
     section = planar_section(spheroid())
     motion = follow_spatial(path, section.shape_factor, half_sphere(40))
     pressure = spatial_pressure(path, spheroid(), VISCOSITY, motion)
@@ -172,7 +171,7 @@ def test_pressures_are_linear_in_viscosity() -> None:
 
 @pytest.mark.parametrize("name", ["ellipse", "spheroid"])
 def test_isotropic_quantiles_are_linear_in_viscosity_and_ordered(name: str) -> None:
-    model, path = unbounded_model(name, Ellipse(1.0, 6.0)), PathBundle([winding()])
+    model, path = unbounded_model(name, Ellipse(1.0, 6.0)), FlowHistory.stack([winding()])
     one, two = (
         model.isotropic_pressure(path, viscosity, np.array([MIDDLE]), 30)
         for viscosity in (1.0, 2.0)
@@ -204,7 +203,7 @@ def test_isotropic_spheroids_are_those_that_are_followed() -> None:
 
 def test_isotropic_in_space_is_milder_than_in_the_plane() -> None:
     """Fibers out of the plane see less of it: the median of the lowest pressure is less deep."""
-    path = PathBundle([winding()])
+    path = FlowHistory.stack([winding()])
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
     space = model.isotropic_pressure(path, 1.0, np.array([MIDDLE]), 200)
     plane = confined_model(model.response).isotropic_pressure(path, 1.0, np.array([MIDDLE]), 200)
@@ -263,7 +262,7 @@ def test_what_is_refused() -> None:
 @pytest.mark.parametrize("name", ["ellipse", "spheroid"])
 def test_one_middle_time_for_all_paths(name: str) -> None:
     model = unbounded_model(name, Ellipse(1.0, 6.0))
-    paths = PathBundle([winding(), winding()])
+    paths = FlowHistory.stack([winding(), winding()])
     one = model.isotropic_pressure(paths, VISCOSITY, MIDDLE, 10)
     each = model.isotropic_pressure(paths, VISCOSITY, np.array([MIDDLE, MIDDLE]), 10)
     assert np.array_equal(one.extremes, each.extremes)
@@ -272,4 +271,6 @@ def test_one_middle_time_for_all_paths(name: str) -> None:
 def test_middle_times_of_other_paths() -> None:
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
     with pytest.raises(ConfigError, match="middle_time has 3 values for 2 paths"):
-        model.isotropic_pressure(PathBundle([winding(), winding()]), VISCOSITY, np.full(3, MIDDLE))
+        model.isotropic_pressure(
+            FlowHistory.stack([winding(), winding()]), VISCOSITY, np.full(3, MIDDLE)
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fibermelt import Ellipse, PathBundle, follow, paper_angles, solve_cell, surface_pressure
+from fibermelt import Ellipse, FlowHistory, follow, paper_angles, solve_cell, surface_pressure
 from fibermelt.fiber.extremes import Extremes, extremes
 from fibermelt.flow.streamlines import Streamline
 
@@ -17,7 +17,7 @@ the mesh moves it by less than 1 %."""
 
 @pytest.fixture(scope="module")
 def found(paper_lines: tuple[Streamline, ...]) -> Extremes:
-    path = PathBundle([line.history for line in paper_lines])
+    path = FlowHistory.stack([line.history for line in paper_lines])
     cell = solve_cell(Ellipse(half_length=42e-6, aspect_ratio=6.0), domain_size=4.0)
     motion = follow(path, cell.shape_factor, paper_angles())
     pressure = surface_pressure(path, cell.response, 817.0, motion)

@@ -16,7 +16,7 @@ from fibermelt.fiber.directions import (
     orbit_phase,
     planar_directions,
 )
-from fibermelt.fiber.directors import DirectorMotion, GradientPath, follow_directors
+from fibermelt.fiber.directors import DirectorMotion, follow_directors
 from fibermelt.fiber.ellipse_field import (
     EllipseField,
     ellipse_field,
@@ -62,7 +62,6 @@ from fibermelt.fiber.motion import (
 from fibermelt.fiber.newton_motion import NewtonMotion, follow_newton
 from fibermelt.fiber.newton_orbit import orbit_newton
 from fibermelt.fiber.orbit import Orbit, orbit
-from fibermelt.fiber.paths import PathBundle
 from fibermelt.fiber.population import IsotropicPressure, isotropic_pressure
 from fibermelt.fiber.pressure import (
     LocalViscosity,
@@ -113,13 +112,11 @@ __all__ = [
     "FiberModel",
     "FiberResponse",
     "FlowAround",
-    "GradientPath",
     "IsotropicPressure",
     "LocalViscosity",
     "Motion",
     "NewtonMotion",
     "Orbit",
-    "PathBundle",
     "PressureBounds",
     "Spheroid",
     "SpheroidNumerics",

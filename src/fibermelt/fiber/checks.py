@@ -14,7 +14,6 @@ __all__ = [
     "checked_gradient",
     "checked_number",
     "checked_positive",
-    "checked_times",
     "checked_unit",
     "refuse_too_slender",
 ]
@@ -61,40 +60,6 @@ def checked_gradient(gradient: ArrayLike, dimension: int) -> Array:
         )
         raise HistoryError(msg)
     return L
-
-
-def checked_times(time: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return times along paths as an array, or refuse them.
-
-    Parameters
-    ----------
-    time : (..., n) array_like
-        Times [s].
-    shape : tuple of int
-        ``(..., n)``, as the gradients along the paths have it.
-
-    Raises
-    ------
-    HistoryError
-        If the shape is another, there are fewer than two points, or time does not increase.
-    """
-    t = real_array("time", time, error=HistoryError, duration=True)
-    if t.shape != shape or t.ndim == 0 or t.shape[-1] < 2:
-        msg = f"time has shape {t.shape}, expected {shape} like the gradient, two points or more"
-        raise HistoryError(msg)
-    if not np.all(np.isfinite(t)):
-        where = _first(~np.isfinite(t))
-        msg = f"time{_place(where)} = {t[where]:g} s: must be finite"
-        raise HistoryError(msg)
-    still = np.diff(t, axis=-1) <= 0.0
-    if np.any(still):
-        where = _first(still)
-        msg = (
-            "time must increase strictly along every path: it does not after "
-            f"time{_place(where)} = {t[where]:.12g} s"
-        )
-        raise HistoryError(msg)
-    return t
 
 
 def checked_unit(direction: ArrayLike, name: str = "direction") -> Array:

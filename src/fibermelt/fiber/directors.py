@@ -12,27 +12,23 @@ the fourth-order Magnus series is halved until the map stands still.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fibermelt.arrays import real_array
-from fibermelt.errors import ConfigError, ConvergenceError, HistoryError
+from fibermelt.errors import ConfigError, ConvergenceError, refuse_other
 from fibermelt.fiber.checks import (
-    checked_gradient,
     checked_number,
     checked_positive,
-    checked_times,
     checked_unit,
 )
 from fibermelt.fiber.expansion import EXPONENT_BOUND, exponential3, magnus_generator
 from fibermelt.fiber.magnus import GAUSS
 from fibermelt.fiber.motion import ANGLE_TOLERANCE
-from fibermelt.fiber.spheroid import embed_planar
+from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
 
-__all__ = ["DirectorMotion", "GradientPath", "follow_directors"]
+__all__ = ["DirectorMotion", "follow_directors"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -46,18 +42,6 @@ ROUNDING = 1e-14
 
 BLOCK = 1 << 12
 """Sub-steps taken at a time: their maps stay in the cache."""
-
-
-class GradientPath(Protocol):
-    """What a director needs of a path: a `FlowHistory`, a `PathBundle`, or three dimensions."""
-
-    @property
-    def time(self) -> Array:
-        """Time [s], shape (..., n), strictly increasing."""
-
-    @property
-    def gradient(self) -> Array:
-        """Velocity gradient [1/s], shape (..., n, 2, 2), or (..., n, 3, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +69,7 @@ class DirectorMotion:
 
 
 def follow_directors(
-    path: GradientPath,
+    path: FlowHistory,
     shape_factor: float,
     directions: ArrayLike,
     tolerance: float = ANGLE_TOLERANCE,
@@ -94,8 +78,8 @@ def follow_directors(
 
     Parameters
     ----------
-    path : FlowHistory, PathBundle or any GradientPath
-        One path (n points) or several (leading axes); planar gradients are embedded, z across.
+    path : FlowHistory
+        One path (n points) or several (leading axes), in the plane or in space.
     shape_factor : float
         ``B`` [-]: Jeffery's ``xi`` when unbounded.
     directions : (n_directions, 3) array_like
@@ -107,10 +91,8 @@ def follow_directors(
     Raises
     ------
     ConfigError
-        If a direction is not a unit vector, or the shape factor or tolerance not usable.
-    HistoryError
-        If time does not increase, the gradients are not one for each time, or a gradient is not
-        finite or has a trace.
+        If the path is none, a direction not a unit vector, or the shape factor or tolerance not
+        usable.
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
@@ -120,12 +102,8 @@ def follow_directors(
         raise ConfigError(msg)
     shape_factor = checked_number("shape_factor", shape_factor)
     tolerance = checked_positive("tolerance", tolerance, "rad", "1e-8")
-    if not (hasattr(path, "time") and hasattr(path, "gradient")):
-        msg = f"path is of the type {type(path).__name__}: must have a time and a gradient"
-        raise ConfigError(msg)
-    L = real_array("gradient", path.gradient, error=HistoryError)
-    L = checked_gradient(embed_planar(L) if L.shape[-1] == 2 else L, 3)
-    time = checked_times(path.time, L.shape[:-2])
+    refuse_other("path", path, FlowHistory)
+    time, L = path.time, path.gradient
     maps, scale, substeps = _interval_maps(time, L, shape_factor, tolerance)
     direction, stretch = _carry(time, maps, scale, start)
     return DirectorMotion(start, direction, stretch, substeps)

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
-from fibermelt.errors import ConfigError
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.motion import Turning, angle_to_stream
-from fibermelt.fiber.paths import Path, checked_path, refuse_another_path
+from fibermelt.fiber.paths import refuse_another_path
 from fibermelt.fiber.pressure import PressureBounds, SurfaceHistory
+from fibermelt.history import FlowHistory
 
 __all__ = [
     "KINDS",
@@ -51,7 +52,7 @@ class Extremes:
         Surface pressure minus streamline pressure [Pa].
     time : array
         When it happens [s].
-    x, y : array
+    x, y, z : array
         Where it happens [m].
     pressure : array
         Surface pressure above the air's: with the streamline's own [Pa].
@@ -67,6 +68,7 @@ class Extremes:
     time: Array
     x: Array
     y: Array
+    z: Array
     pressure: Array
     angle: Array
     where: Array
@@ -94,13 +96,13 @@ class ExtremeStatistics:
 
 
 def extremes(
-    path: Path, pressure: SurfaceHistory, motion: Turning, middle_time: ArrayLike
+    path: FlowHistory, pressure: SurfaceHistory, motion: Turning, middle_time: ArrayLike
 ) -> Extremes:
     """Find the pressure extremes of every fiber at both locations.
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The path that the fibers were followed along.
     pressure : SurfaceHistory
         Their surface pressure along it: a `SurfacePressure`, or a `NewtonMotion`.
@@ -132,6 +134,7 @@ def extremes(
         time=along(path.time[..., None, :]),
         x=along(path.position[..., None, :, 0]),
         y=along(path.position[..., None, :, 1]),
+        z=along(path.position[..., None, :, 2]),
         pressure=value + along(path.pressure[..., None, :]),
         angle=along(angle_to_stream(path, motion)),
         where=pressure.where_at(index),
@@ -169,7 +172,7 @@ def statistics(found: Extremes) -> ExtremeStatistics:
     )
 
 
-def extreme_bounds(path: Path, bounds: PressureBounds, middle_time: ArrayLike) -> Array:
+def extreme_bounds(path: FlowHistory, bounds: PressureBounds, middle_time: ArrayLike) -> Array:
     """Return the bounds of every fiber's extremes, (..., location, kind, 2) [Pa].
 
     For "min" the lower side is the lowest over the path of the worst orientation, and the upper
@@ -198,9 +201,9 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def before_middle(path: Path, middle_time: ArrayLike) -> NDArray[np.bool_]:
+def before_middle(path: FlowHistory, middle_time: ArrayLike) -> NDArray[np.bool_]:
     """Return which points lie above the middle of the capillary, (..., n)."""
-    checked_path(path)
+    refuse_other("path", path, FlowHistory)
     middle = real_array("middle_time", middle_time, duration=True)
     if middle.shape not in ((), path.time.shape[:-1]):
         msg = (

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.fiber.paths import Path
 from fibermelt.fiber.propagator import Propagator, compose, exponential
+from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
 
 __all__ = ["GAUSS", "interval_propagators"]
@@ -40,13 +40,13 @@ GAUSS = 0.5 / np.sqrt(3.0)
 
 
 def interval_propagators(
-    path: Path, shape_factor: float, tolerance: float
+    path: FlowHistory, shape_factor: float, tolerance: float
 ) -> tuple[Propagator, int]:
     """Return the map of ``F_dot = (W + B D) F`` over each interval, and the sub-steps it took.
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         Paths of n points.
     shape_factor : float
         ``B`` [-].
@@ -112,7 +112,7 @@ def _in_blocks(
     return maps
 
 
-def _refuse(path: Path, where: tuple[np.intp, ...]) -> None:
+def _refuse(path: FlowHistory, where: tuple[np.intp, ...]) -> None:
     msg = (
         f"fiber motion: the interval from t = {path.time[where]:.6g} s turns too fast or too "
         f"unevenly for {1 << MOST_HALVINGS} sub-steps: give the history more points there"

@@ -26,7 +26,7 @@ from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.jeffery import unbounded_ellipse
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
-from fibermelt.fiber.paths import Path, strain_polar
+from fibermelt.fiber.paths import strain_polar
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
     QUANTILE_LEVELS,
@@ -42,10 +42,10 @@ from fibermelt.fiber.spatial import turned_directions
 from fibermelt.fiber.spheroid import (
     Spheroid,
     SpheroidResponse,
-    embed_planar,
     unbounded_spheroid,
 )
 from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.history import FlowHistory
 
 __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
 
@@ -90,7 +90,7 @@ class FiberModel:
 
     def isotropic_pressure(
         self,
-        path: Path,
+        path: FlowHistory,
         viscosity: Viscosity,
         middle_time: ArrayLike,
         count: int = ISOTROPIC_COUNT,
@@ -144,7 +144,7 @@ def unbounded_model(name: ModelName, fiber: Ellipse) -> FiberModel:
 
 
 def _isotropic_spheroids(
-    path: Path,
+    path: FlowHistory,
     spheroid: SpheroidResponse,
     viscosity: Viscosity,
     middle_time: ArrayLike,
@@ -157,13 +157,12 @@ def _isotropic_spheroids(
     deformation, _ = deformation_along(path, spheroid.shape_factor, tolerance)
     paths = itertools.count()
 
-    def pressures(one: Path, middle: float) -> tuple[Array, Array, Array]:
+    def pressures(one: FlowHistory, middle: float) -> tuple[Array, Array, Array]:
         k = next(paths)
         directions = turned_directions(deformation.line(k), initial)
-        gradient = embed_planar(one.gradient)
         size, _ = strain_polar(one.gradient)
         scale = newtonian_viscosity(viscosity, size)
-        lowest, highest = spheroid.extreme_values(gradient, directions)
+        lowest, highest = spheroid.extreme_values(one.gradient, directions)
         lowest, highest = scale * lowest, scale * highest
         return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
 

@@ -22,15 +22,14 @@ from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.magnus import interval_propagators
 from fibermelt.fiber.paths import (
-    Path,
     checked_path,
     refuse_another_path,
     strain_polar,
-    stream_angle,
 )
 from fibermelt.fiber.propagator import Propagator, cumulate
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.fiber.thinning_motion import TABLE_TOLERANCE, ThinningMotion, follow_thinning
+from fibermelt.history import FlowHistory
 
 __all__ = [
     "Motion",
@@ -80,7 +79,7 @@ class Turning(Protocol):
         """Rate of the angle [1/s], shape (..., n_angles, n)."""
 
     @property
-    def path(self) -> Path:
+    def path(self) -> FlowHistory:
         """What they were followed along."""
 
 
@@ -100,7 +99,7 @@ class Motion:
         ``theta_dot`` [1/s].
     substeps : int
         Largest number of sub-steps that an interval took.
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         What the fibers were followed along.
     """
 
@@ -109,12 +108,12 @@ class Motion:
     deformation: Propagator
     spin: Array
     substeps: int
-    path: Path = field(repr=False)
+    path: FlowHistory = field(repr=False)
 
 
 @overload
 def follow(
-    path: Path,
+    path: FlowHistory,
     shape_factor: float,
     initial_angles: ArrayLike,
     tolerance: float = ...,
@@ -123,7 +122,7 @@ def follow(
 
 @overload
 def follow(
-    path: Path,
+    path: FlowHistory,
     shape_factor: ThinningResponse,
     initial_angles: ArrayLike,
     tolerance: float = ...,
@@ -131,7 +130,7 @@ def follow(
 
 
 def follow(
-    path: Path,
+    path: FlowHistory,
     shape_factor: float | ThinningResponse,
     initial_angles: ArrayLike,
     tolerance: float = ANGLE_TOLERANCE,
@@ -140,7 +139,7 @@ def follow(
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         One path (n points) or several of equal length (leading axis).
     shape_factor : float or ThinningResponse
         ``B`` [-] of the confined fiber, or Jeffery's ``xi``; in a melt that thins, the fiber's
@@ -173,7 +172,7 @@ def follow(
 
 
 def deformation_along(
-    path: Path, shape_factor: float, tolerance: float = ANGLE_TOLERANCE
+    path: FlowHistory, shape_factor: float, tolerance: float = ANGLE_TOLERANCE
 ) -> tuple[Propagator, int]:
     """Return the map ``F`` from the start of a path to each of its points, leading shape (..., n).
 
@@ -186,14 +185,16 @@ def deformation_along(
 
 
 @lru_cache(maxsize=1)
-def _deformation(path: Path, shape_factor: float, tolerance: float) -> tuple[Propagator, int]:
+def _deformation(
+    path: FlowHistory, shape_factor: float, tolerance: float
+) -> tuple[Propagator, int]:
     """Return what `deformation_along` does; everybody gets the same arrays, so nobody writes."""
     steps, substeps = interval_propagators(path, shape_factor, tolerance)
     return cumulate(steps).read_only(), substeps
 
 
 def turned(
-    path: Path, shape_factor: float, angles: Array, deformation: Propagator, substeps: int
+    path: FlowHistory, shape_factor: float, angles: Array, deformation: Propagator, substeps: int
 ) -> Motion:
     """Return the motion of fibers whose path's `deformation_along` is known."""
     at_angles = Propagator(
@@ -215,7 +216,7 @@ def checked_angles(initial_angles: ArrayLike) -> Array:
     return angles
 
 
-def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
+def _spin(path: FlowHistory, shape_factor: float, angle: Array) -> Array:
     """Return ``theta_dot = W_21 + B D_12(local)`` [1/s], the paper's Eq. 59."""
     size, double = strain_polar(path.gradient)
     melt = 0.5 * (path.gradient[..., 1, 0] - path.gradient[..., 0, 1])
@@ -224,7 +225,7 @@ def _spin(path: Path, shape_factor: float, angle: Array) -> Array:
     return spin
 
 
-def angle_to_stream(path: Path, motion: Turning) -> Array:
+def angle_to_stream(path: FlowHistory, motion: Turning) -> Array:
     """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n).
 
     Raises
@@ -233,10 +234,10 @@ def angle_to_stream(path: Path, motion: Turning) -> Array:
         If the fibers were followed along another path.
     """
     refuse_another_path(path, motion.path)
-    return fold_angle(motion.angle - stream_angle(path)[..., None, :])
+    return fold_angle(motion.angle - path.direction[..., None, :])
 
 
-def angle_to_stream_at(path: Path, motion: Turning, times: ArrayLike) -> Array:
+def angle_to_stream_at(path: FlowHistory, motion: Turning, times: ArrayLike) -> Array:
     """Return the fibers' angles to the streamline at given times [rad] in (-pi/2, pi/2].
 
     Parameters
@@ -274,7 +275,7 @@ def angle_to_stream_at(path: Path, motion: Turning, times: ArrayLike) -> Array:
     t0 = np.take_along_axis(time, index, -1)
     step = np.take_along_axis(time, index + 1, -1) - t0
     u = ((times - t0) / step)[..., None, :]
-    stream = stream_angle(path)
+    stream = path.direction
     stream0 = np.take_along_axis(stream, index, -1)
     direction = stream0 + u[..., 0, :] * (np.take_along_axis(stream, index + 1, -1) - stream0)
     shape = (*motion.angle.shape[:-1], times.shape[-1])

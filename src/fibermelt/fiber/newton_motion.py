@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import Unchanging, real_array
-from fibermelt.errors import ConfigError, refuse_other
+from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell_data import CellSystem
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.motion import checked_angles
 from fibermelt.fiber.newton import FreeFiber, NewtonSolver, Rates
+from fibermelt.fiber.paths import checked_path
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
@@ -143,7 +144,7 @@ def follow_newton(
     """
     solver = NewtonSolver(system) if isinstance(system, CellSystem) else system
     _refuse_another_fiber(solver.aspect_ratio, fiber)
-    refuse_other("history", history, FlowHistory)
+    checked_path(history)
     viscosity = checked_positive("melt.viscosity", viscosity, "Pa s", "817")
     angles = checked_angles(np.atleast_1d(real_array("initial_angles", initial_angles)))
     runs = [_follow_one(solver, fiber, history, float(angle)) for angle in angles]
@@ -169,15 +170,16 @@ def _follow_one(
     """Return position and angle, their rates, and the surface pressure over mu at every step."""
     n = len(history)
     melt = PathInterpolant(
-        history.time, np.concatenate([history.velocity, history.gradient.reshape(n, 4)], axis=1)
+        history.time,
+        np.concatenate([history.velocity[:, :2], history.plane_gradient.reshape(n, 4)], axis=1),
     )
 
     def rate(interval: int, fraction: float, at: Array, guess: Array) -> Rates:
         values = melt((interval,), fraction)
         return solver.motion(fiber.half_length, values, float(at[2]), guess)
 
-    state = np.array([*history.position[0], angle])
-    guess = np.array([*history.velocity[0], 0.0])
+    state = np.array([*history.position[0, :2], angle])
+    guess = np.array([*history.velocity[0, :2], 0.0])
     states, rates, pressures = np.empty((n, 3)), np.empty((n, 3)), []
     for i in range(n):
         states[i] = state

@@ -23,13 +23,14 @@ from fibermelt.fiber.motion import (
     follow,
     isotropic_angles,
 )
-from fibermelt.fiber.paths import Path, checked_path, single_paths, strain_polar
+from fibermelt.fiber.paths import checked_path, strain_polar
 from fibermelt.fiber.pressure import Viscosity, pressure_amplitude, surface_pressure
 from fibermelt.fiber.propagator import Propagator
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shares import alignment, height_quantiles
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.fiber.unions import Problems, extreme_quantiles, turning_points
+from fibermelt.history import FlowHistory
 
 __all__ = ["QUANTILE_LEVELS", "IsotropicPressure", "isotropic_pressure", "population_quantiles"]
 
@@ -73,7 +74,7 @@ class IsotropicPressure:
 
 
 def isotropic_pressure(
-    path: Path,
+    path: FlowHistory,
     response: FiberResponse | ThinningResponse,
     viscosity: Viscosity,
     middle_time: ArrayLike,
@@ -88,7 +89,7 @@ def isotropic_pressure(
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         One path or several; a few are taken at a time, so memory does not grow with them.
     response : FiberResponse or ThinningResponse
         The fibers' response.
@@ -133,7 +134,7 @@ def isotropic_pressure(
 
 
 def _followed_quantiles(
-    path: Path,
+    path: FlowHistory,
     response: ThinningResponse,
     viscosity: Viscosity,
     middle_time: ArrayLike,
@@ -206,10 +207,10 @@ def _line_quantiles(
 
 
 def population_quantiles(
-    path: Path,
+    path: FlowHistory,
     middle_time: ArrayLike,
     levels: tuple[float, ...],
-    pressures: Callable[[Path, float], tuple[Array, Array, Array]],
+    pressures: Callable[[FlowHistory, float], tuple[Array, Array, Array]],
 ) -> IsotropicPressure:
     """Return quantiles over a population of fibers, whatever follows them, path by path.
 
@@ -227,7 +228,7 @@ def population_quantiles(
         If a level lies outside [0, 1], or there are more or fewer middle times than paths.
     """
     _refuse_levels(levels)
-    paths = single_paths(path)
+    paths = path.lines
     middles = np.ravel(real_array("middle_time", middle_time, duration=True))
     if middles.size not in (1, len(paths)):
         msg = f"middle_time has {middles.size} values for {len(paths)} paths: give one, or one each"

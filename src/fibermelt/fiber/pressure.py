@@ -18,10 +18,11 @@ from fibermelt.arrays import Unchanging
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.checks import checked_positive
 from fibermelt.fiber.motion import Turning
-from fibermelt.fiber.paths import Path, checked_path, refuse_another_path, strain_polar
+from fibermelt.fiber.paths import checked_path, refuse_another_path, strain_polar
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.fiber.thinning_motion import ThinningPressure
+from fibermelt.history import FlowHistory
 from fibermelt.melt import ViscosityLaw
 
 __all__ = [
@@ -73,7 +74,7 @@ class SurfaceHistory(Protocol):
         """Highest pressure over the surface [Pa], relative, shape (..., n_angles, n)."""
 
     @property
-    def path(self) -> Path:
+    def path(self) -> FlowHistory:
         """The path."""
 
     def where_at(self, index: NDArray[np.intp]) -> Array:
@@ -100,7 +101,7 @@ class SurfacePressure(Unchanging):
         ``mu d`` [Pa].
     response : FiberResponse
         The fiber that answered.
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The way.
     """
 
@@ -109,7 +110,7 @@ class SurfacePressure(Unchanging):
     phase: Array
     amplitude: Array
     response: FiberResponse
-    path: Path = field(repr=False)
+    path: FlowHistory = field(repr=False)
 
     @cached_property
     def where_lowest(self) -> Array:
@@ -162,24 +163,27 @@ class PressureBounds:
 
 @overload
 def surface_pressure(
-    path: Path, response: FiberResponse, viscosity: Viscosity, motion: Turning
+    path: FlowHistory, response: FiberResponse, viscosity: Viscosity, motion: Turning
 ) -> SurfacePressure: ...
 
 
 @overload
 def surface_pressure(
-    path: Path, response: ThinningResponse, viscosity: Viscosity, motion: Turning
+    path: FlowHistory, response: ThinningResponse, viscosity: Viscosity, motion: Turning
 ) -> ThinningPressure: ...
 
 
 def surface_pressure(
-    path: Path, response: FiberResponse | ThinningResponse, viscosity: Viscosity, motion: Turning
+    path: FlowHistory,
+    response: FiberResponse | ThinningResponse,
+    viscosity: Viscosity,
+    motion: Turning,
 ) -> SurfacePressure | ThinningPressure:
     """Return the lowest and highest surface pressure of every fiber at every point of its path.
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The path that the fibers were followed along.
     response : FiberResponse or ThinningResponse
         Their pressure response (confined or unbounded).
@@ -214,7 +218,7 @@ def surface_pressure(
 
 
 def pressure_bounds(
-    path: Path, response: FiberResponse | ThinningResponse, viscosity: Viscosity
+    path: FlowHistory, response: FiberResponse | ThinningResponse, viscosity: Viscosity
 ) -> PressureBounds:
     """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
 

@@ -18,10 +18,11 @@ from fibermelt.fiber.checks import checked_unit
 from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.directions import equal_area_directions
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, follow
-from fibermelt.fiber.paths import Path, refuse_another_path, strain_polar
+from fibermelt.fiber.paths import refuse_another_path, strain_polar
 from fibermelt.fiber.pressure import Viscosity, newtonian_viscosity
 from fibermelt.fiber.propagator import Propagator
-from fibermelt.fiber.spheroid import SpheroidResponse, embed_planar
+from fibermelt.fiber.spheroid import SpheroidResponse
+from fibermelt.history import FlowHistory
 
 __all__ = [
     "SpatialMotion",
@@ -49,7 +50,7 @@ class SpatialMotion:
         Angle out of the plane [rad], in [-pi/2, pi/2]; its sign stays.
     spin : (..., n_directions, n) array
         Rate of ``angle`` [1/s].
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         What the fibers were followed along.
     """
 
@@ -57,7 +58,7 @@ class SpatialMotion:
     angle: Array
     elevation: Array
     spin: Array
-    path: Path = field(repr=False)
+    path: FlowHistory = field(repr=False)
 
     @property
     def direction(self) -> Array:
@@ -86,7 +87,7 @@ class SpatialPressure:
     motion: SpatialMotion
 
     @property
-    def path(self) -> Path:
+    def path(self) -> FlowHistory:
         """Return what the fibers were followed along."""
         return self.motion.path
 
@@ -133,7 +134,10 @@ def half_sphere(count: int) -> Array:
 
 
 def follow_spatial(
-    path: Path, shape_factor: float, directions: ArrayLike, tolerance: float = ANGLE_TOLERANCE
+    path: FlowHistory,
+    shape_factor: float,
+    directions: ArrayLike,
+    tolerance: float = ANGLE_TOLERANCE,
 ) -> SpatialMotion:
     """Follow spheroids along a path of planar flow from all initial directions at once.
 
@@ -141,7 +145,7 @@ def follow_spatial(
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         One path (n points) or several of equal length (leading axis).
     shape_factor : float
         ``xi`` [-].
@@ -191,13 +195,13 @@ def turned_directions(deformation: Propagator, start: Array) -> Array:
 
 
 def spatial_pressure(
-    path: Path, spheroid: SpheroidResponse, viscosity: Viscosity, motion: SpatialMotion
+    path: FlowHistory, spheroid: SpheroidResponse, viscosity: Viscosity, motion: SpatialMotion
 ) -> SpatialPressure:
     """Return the lowest and highest surface pressure of every spheroid at every point of its path.
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The path that the fibers were followed along.
     spheroid : SpheroidResponse
         Their pressure response.
@@ -216,7 +220,7 @@ def spatial_pressure(
     refuse_another_path(path, motion.path)
     size, _ = strain_polar(path.gradient)
     scale = newtonian_viscosity(viscosity, size[..., None, :])
-    gradient = embed_planar(path.gradient)[..., None, :, :, :]
+    gradient = path.gradient[..., None, :, :, :]
     found = spheroid.extremes(gradient, motion.direction)
     return SpatialPressure(
         scale * found.lowest,

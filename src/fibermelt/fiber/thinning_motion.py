@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.fiber.paths import Path, strain_polar
+from fibermelt.fiber.paths import checked_path, strain_polar
 from fibermelt.fiber.thinning import SpinSeries, ThinningResponse
+from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
 
 __all__ = ["TABLE_TOLERANCE", "ThinningMotion", "ThinningPressure", "follow_thinning"]
@@ -82,7 +83,7 @@ class ThinningMotion:
         Angles [rad], continuous in time, and their rate [1/s].
     substeps : int
         Largest number of steps that an interval took.
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The path that they were followed along.
     """
 
@@ -90,7 +91,7 @@ class ThinningMotion:
     angle: Array
     spin: Array
     substeps: int
-    path: Path = field(repr=False)
+    path: FlowHistory = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,7 @@ class ThinningPressure:
         ``eta(gamma_dot) d`` [Pa] and ``gamma_dot`` [1/s].
     response : ThinningResponse
         The fiber that answered.
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         The path that it was followed along.
     """
 
@@ -117,7 +118,7 @@ class ThinningPressure:
     amplitude: Array
     rate: Array
     response: ThinningResponse
-    path: Path = field(repr=False)
+    path: FlowHistory = field(repr=False)
 
     @property
     def tip(self) -> Array:
@@ -138,7 +139,7 @@ class ThinningPressure:
 
 
 def follow_thinning(
-    path: Path,
+    path: FlowHistory,
     response: ThinningResponse,
     initial_angles: Array,
     tolerance: float = TABLE_TOLERANCE,
@@ -147,7 +148,7 @@ def follow_thinning(
 
     Parameters
     ----------
-    path : FlowHistory or PathBundle
+    path : FlowHistory
         One path (n points) or several of equal length (leading axis).
     response : ThinningResponse
         Their table.
@@ -167,6 +168,7 @@ def follow_thinning(
     if not tolerance > 0:
         msg = f"tolerance = {tolerance:g}: must be positive, e.g. {TABLE_TOLERANCE:g}"
         raise ConfigError(msg)
+    checked_path(path)
     lead, n = path.time.shape[:-1], path.time.shape[-1]
     turning = _turning(path, response, tolerance)
     most, lines = turning.steps, len(turning.steep)
@@ -216,10 +218,10 @@ class _Turning:
 
 
 @lru_cache(maxsize=1)
-def _turning(path: Path, response: ThinningResponse, tolerance: float) -> _Turning:
+def _turning(path: FlowHistory, response: ThinningResponse, tolerance: float) -> _Turning:
     """Integrate all intervals of a path; any number of angles shares the last one's."""
     n = path.time.shape[-1]
-    L = path.gradient.reshape(-1, n, 2, 2)
+    L = path.plane_gradient.reshape(-1, n, 2, 2)
     fields = [
         0.5 * (L[..., 0, 0] - L[..., 1, 1]),
         0.5 * (L[..., 0, 1] + L[..., 1, 0]),

@@ -159,7 +159,7 @@ def trace_streamlines(
     lines = []
     for k, path in enumerate(paths):
         history, psi, error = _history(field, solution.problem.melt, path, points)
-        near = np.linalg.norm(history.position[:, None] - corners, axis=2).min()
+        near = np.linalg.norm(history.position[:, None, :2] - corners, axis=2).min()
         y, time = history.position[:, 1], history.time
         levels = (nozzle.capillary_entrance, nozzle.gap)
         zones = [_first_below(y, time, level) for level in levels]

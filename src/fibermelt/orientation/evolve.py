@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, ConvergenceError, refuse_no_number
+from fibermelt.history import FlowHistory
 from fibermelt.orientation.flows import strain_and_spin
 from fibermelt.orientation.kinetics import ClosureLike, OrientationModel, checked_law
-from fibermelt.orientation.paths import FlowPath, GradientAlong, checked_history
+from fibermelt.orientation.paths import GradientAlong, checked_history
 from fibermelt.orientation.tensors import checked_orientation, out_of_range
 
-__all__ = ["FlowPath", "OrientationHistory", "follow_orientation"]
+__all__ = ["OrientationHistory", "follow_orientation"]
 
 Array = NDArray[np.float64]
 
@@ -87,7 +88,7 @@ class OrientationHistory:
 def follow_orientation(
     model: OrientationModel,
     closure: ClosureLike,
-    history: FlowPath | tuple[ArrayLike, ArrayLike],
+    history: FlowHistory | tuple[ArrayLike, ArrayLike],
     a0: ArrayLike,
     *,
     rtol: float = 1e-8,
@@ -101,7 +102,7 @@ def follow_orientation(
         Law of the rate.
     closure : ClosureLike
         What closes the fourth moment.
-    history : FlowPath, or (time, L)
+    history : FlowHistory, or (time, L)
         Times (..., n) [s] and velocity gradients (..., n, d, d) [1/s], d 2 (embedded, ``L_33 = 0``)
         or 3.
     a0 : (..., 3, 3) array_like

@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
 from fibermelt.errors import HistoryError
+from fibermelt.history import FlowHistory
 from fibermelt.interpolation import SLOPE_PART, PathInterpolant
 from fibermelt.orientation.flows import checked_gradient
 
-__all__ = ["FlowPath", "GradientAlong", "checked_history"]
+__all__ = ["GradientAlong", "checked_history"]
 
 Array = NDArray[np.float64]
-
-
-class FlowPath(Protocol):
-    """What is needed of a path, or of many: a `fibermelt.FlowHistory`, or a bundle of them."""
-
-    @property
-    def time(self) -> Array:
-        """Time [s], (..., n), strictly increasing."""
-
-    @property
-    def gradient(self) -> Array:
-        """Velocity gradient [1/s], (..., n, 2, 2) or (..., n, 3, 3)."""
 
 
 class GradientAlong:
@@ -48,16 +35,17 @@ class GradientAlong:
         return value.reshape(*self._shape, 3, 3)
 
 
-def checked_history(history: FlowPath | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
+def checked_history(history: FlowHistory | tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
     """Return times (..., n) and gradients (..., n, 3, 3) of equal leading axes."""
-    is_pair = isinstance(history, tuple) and len(history) == 2
-    if not is_pair and not (hasattr(history, "time") and hasattr(history, "gradient")):
-        kind = type(history).__name__
+    if isinstance(history, FlowHistory):
+        return history.time, history.gradient
+    given: object = history
+    if not (isinstance(given, tuple) and len(given) == 2):
+        kind = type(given).__name__
         msg = f"history is of the type {kind}: must be a FlowHistory, or a pair (time, gradient)"
         raise HistoryError(msg)
-    pair = history if isinstance(history, tuple) else (history.time, history.gradient)
-    time = real_array("time", pair[0], error=HistoryError, duration=True)
-    L = checked_gradient(pair[1])
+    time = real_array("time", history[0], error=HistoryError, duration=True)
+    L = checked_gradient(history[1])
     if time.ndim == 0 or time.shape[-1] < 2 or time.shape != L.shape[:-2]:
         msg = (
             f"orientation: time has shape {time.shape}, the gradient {L.shape}: expected (..., n) "

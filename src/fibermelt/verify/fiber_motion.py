@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,13 +16,11 @@ from fibermelt.fiber.jeffery import jeffery_angle, jeffery_period
 from fibermelt.fiber.motion import follow, paper_angles
 from fibermelt.fiber.newton_motion import follow_newton
 from fibermelt.fiber.shape import Ellipse, jeffery_factor
-from fibermelt.fiber.spheroid import embed_planar
 from fibermelt.history import FlowHistory, simple_shear
 from fibermelt.verify.ladder import Rung, below, order
 
 __all__ = [
     "RUNGS",
-    "SpatialPath",
     "reference_angles",
     "reference_directors",
     "spatial_path",
@@ -81,18 +78,11 @@ def _spatial_gradient(t: ArrayLike) -> Array:
     return np.asarray(L - trace[..., None, None] / 3.0 * np.eye(3))
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialPath:
-    """Time (n,) [s] and gradient (n, 3, 3) [1/s] along a path."""
-
-    time: Array
-    gradient: Array
-
-
-def spatial_path(points: int) -> SpatialPath:
+def spatial_path(points: int) -> FlowHistory:
     """Return a smooth path in three dimensions, from a formula."""
     time = np.linspace(0.0, SPATIAL_DURATION, points)
-    return SpatialPath(time, _spatial_gradient(time))
+    still = np.zeros((points, 3))
+    return FlowHistory(time, still, still, _spatial_gradient(time), np.zeros(points))
 
 
 def reference_directors(factor: float, starts: Array) -> Array:
@@ -123,8 +113,7 @@ def _jeffery_orbits() -> tuple[float, float]:
     planar = float(np.max(np.abs(motion.angle - exact)))
 
     directions = equal_area_directions(7)
-    path = SpatialPath(history.time, embed_planar(history.gradient))
-    found = follow_directors(path, jeffery_factor(RATIO), directions).direction
+    found = follow_directors(history, jeffery_factor(RATIO), directions).direction
     orbits = np.array([jeffery_director(history.time, 1.0, RATIO, p) for p in directions])
     # one-to-one in the director, but a spheroid's two ends are alike
     ends = np.minimum(

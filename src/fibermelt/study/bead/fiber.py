@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from fibermelt.fiber.cell_data import CellNumerics
     from fibermelt.fiber.models import FiberModel
-    from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.shape import Ellipse
+    from fibermelt.history import FlowHistory
 
 __all__ = [
     "cell_estimates",
@@ -218,21 +218,21 @@ def _confined_model(
     )
 
 
-def stored_path(lines: xr.Dataset) -> PathBundle:
-    """Return the flow histories that were stored."""
+def stored_path(lines: xr.Dataset) -> FlowHistory:
+    """Return the flow histories that were stored, stacked."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.paths import PathBundle  # noqa: PLC0415
     from fibermelt.history import FlowHistory  # noqa: PLC0415
 
-    position = np.stack([lines["x"], lines["y"]], axis=-1)
-    velocity = np.stack([lines["u"], lines["v"]], axis=-1)
+    space = "z" in lines
     time, gradient, pressure = (lines[n].to_numpy() for n in ("time", "gradient", "pressure"))
-    return PathBundle(
-        [
-            FlowHistory(time[k], position[k], velocity[k], gradient[k], pressure[k])
-            for k in range(len(time))
-        ]
+    return FlowHistory(
+        time=time,
+        position=np.stack([lines[name] for name in ("x", "y", "z")[: 2 + space]], axis=-1),
+        velocity=np.stack([lines[name] for name in ("u", "v", "w")[: 2 + space]], axis=-1),
+        gradient=gradient,
+        pressure=pressure,
+        viscosity=lines["viscosity"].to_numpy(),
     )
 
 

@@ -267,7 +267,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "u": velocity[..., 0],
             "v": velocity[..., 1],
             "pressure": along("pressure"),
-            "gradient": along("gradient"),
+            "gradient": along("plane_gradient"),
             "shear_rate": along("shear_rate"),
             "viscosity": along("viscosity"),
             "stream_function": stacked("stream_function"),

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from fibermelt.fiber.extremes import Extremes
     from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.motion import Turning
-    from fibermelt.fiber.paths import PathBundle
     from fibermelt.fiber.pressure import SurfaceHistory
     from fibermelt.history import FlowHistory
 
@@ -33,7 +32,7 @@ __all__ = ["followed_by_newton", "followed_in_plane", "followed_in_space"]
 
 def followed_in_plane(
     parameters: Parameters,
-    path: PathBundle,
+    path: FlowHistory,
     model: FiberModel,
     middle: Array,
     zone_time: Array,
@@ -48,7 +47,7 @@ def followed_in_plane(
 
     angles = np.asarray(parameters["fiber.initial_angles"])
     tolerance = parameters["numerics.angle_tolerance"]
-    say(f"{len(angles)} angles on {len(path)} streamlines")
+    say(f"{len(angles)} angles on {len(path.lines)} streamlines")
     motion = follow(path, model.turning, angles, tolerance)
     pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
     return {
@@ -63,7 +62,7 @@ def followed_in_plane(
 
 def followed_by_newton(
     parameters: Parameters,
-    path: PathBundle,
+    path: FlowHistory,
     size: float,
     numerics: CellNumerics,
     middle: Array,
@@ -88,15 +87,15 @@ def followed_by_newton(
         viscosity = newtonian_viscosity(parameters)
     else:
         free, viscosity = ThinningFiber(fiber, size, law, numerics), 1.0
-    motions = newton_motions(free, fiber, path.histories, viscosity, angles, say)
-    lines = zip(path.histories, motions, middle, zone_time, strict=True)
+    motions = newton_motions(free, fiber, path.lines, viscosity, angles, say)
+    lines = zip(path.lines, motions, middle, zone_time, strict=True)
     found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
     return {"initial_angle": angles, **_stacked(found)}
 
 
 def followed_in_space(
     parameters: Parameters,
-    path: PathBundle,
+    path: FlowHistory,
     model: FiberModel,
     middle: Array,
     zone_time: Array,
@@ -120,9 +119,9 @@ def followed_in_space(
         raise ConfigError(msg)
     start = half_sphere(parameters["fiber.direction_count"])
     tolerance = parameters["numerics.angle_tolerance"]
-    say(f"{len(start)} directions on {len(path)} streamlines")
+    say(f"{len(start)} directions on {len(path.lines)} streamlines")
     found = []
-    for one, middle_time, times in zip(path.histories, middle, zone_time, strict=True):
+    for one, middle_time, times in zip(path.lines, middle, zone_time, strict=True):
         motion = follow_spatial(one, model.spheroid.shape_factor, start, tolerance)
         pressure = spatial_pressure(one, model.spheroid, viscosity_of(parameters), motion)
         line = _on_line(one, motion, pressure, middle_time, times)

@@ -82,7 +82,10 @@ def _seconds_per_solve(free: FreeFiber, history: FlowHistory, clock: Callable[[]
     """Return the time of one linear solve [s]; the first ones, which warm caches, are not timed."""
     import numpy as np  # noqa: PLC0415  lazy: see the stages
 
-    melt, rest = np.array([*history.velocity[0], *history.gradient[0].ravel()]), np.zeros(3)
+    melt, rest = (
+        np.array([*history.velocity[0, :2], *history.plane_gradient[0].ravel()]),
+        np.zeros(3),
+    )
     free.motion(1.0, melt, 0.0, rest)
     solves, start = free.solves, clock()
     for turn in SAMPLE_TURNS:

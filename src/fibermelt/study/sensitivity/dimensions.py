@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fibermelt.fiber.models import FiberModel
-    from fibermelt.fiber.paths import Path
+    from fibermelt.history import FlowHistory
 
 __all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows", "fiber_models"]
 
@@ -160,7 +160,7 @@ def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) 
 
 
 def _lowest_along(
-    parameters: Parameters, path: Path, model: FiberModel, middle: NDArray[np.float64]
+    parameters: Parameters, path: FlowHistory, model: FiberModel, middle: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the lowest pressures of one model, streamline by streamline."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
