@@ -7,7 +7,7 @@ velocity is there. Lines are followed by arclength: ``dx/ds = u/|u|``, ``dt/ds =
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,8 @@ from scipy.integrate import RK45
 from scipy.interpolate import CubicHermiteSpline
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.flow.field import Place
 
-__all__ = ["Ending", "Path", "Rules", "VelocityField", "follow_lines", "trace"]
+__all__ = ["Ending", "Located", "Path", "Rules", "VelocityField", "follow_lines", "trace"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -36,13 +35,34 @@ ARRIVED = 1e-9
 """Distance to the outlet over the largest step at which a line has arrived: above rounding."""
 
 
-class VelocityField(Protocol):
+class Located(Protocol):
+    """Where points lie in a field: cells, and coordinates in them."""
+
+    def __init__(self, cell: Index, reference: Array) -> None: ...
+
+    @property
+    def cell(self) -> Index:
+        """Cell of each point, (n,)."""
+
+    @property
+    def reference(self) -> Array:
+        """Coordinates of each in its cell, (n, k)."""
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Whether it lies in the field at all, (n,)."""
+
+
+P = TypeVar("P", bound=Located)
+
+
+class VelocityField(Protocol[P]):
     """A steady flow in d = 2 or 3 dimensions."""
 
-    def locate(self, points: Array, guess: Place | None = None, /) -> Place:
+    def locate(self, points: Array, guess: P | None = None, /) -> P:
         """Return where points (n, d) lie, searching from a guess inside if there is one."""
 
-    def velocity_at(self, place: Place, /) -> Array:
+    def velocity_at(self, place: P, /) -> Array:
         """Return the velocity there [m/s], (n, d); NaN outside."""
 
 
@@ -79,7 +99,8 @@ class Rules:
 class Path:
     """A traced line: arclength [m], position [m], time [s] and their slopes at every step.
 
-    ``length`` is the arclength [m] at its end: within the last step where time has run out.
+    ``cell`` is where each step ended; ``length`` the arclength [m] at the line's end, which lies
+    within the last step where time has run out.
     """
 
     arclength: Array
@@ -87,6 +108,7 @@ class Path:
     time: Array
     direction: Array
     slowness: Array
+    cell: Index
     length: float
     end: Ending
 
@@ -112,10 +134,10 @@ class Path:
         return at
 
 
-class _Tracer:
+class _Tracer(Generic[P]):
     """The state of all lines: position and time as one (n, d + 1) array, arclength, step."""
 
-    def __init__(self, field: VelocityField, seeds: Array, clocked: bool) -> None:
+    def __init__(self, field: VelocityField[P], seeds: Array, clocked: bool) -> None:
         self.field = field
         self.clocked = clocked
         self.dimension = seeds.shape[1]
@@ -129,7 +151,7 @@ class _Tracer:
         if known.size == 0:
             return slope
         lines = lines[known]
-        guess = Place(self.place.cell[lines], self.place.reference[lines])
+        guess = type(self.place)(self.place.cell[lines], self.place.reference[lines])
         place = self.field.locate(state[known, : self.dimension], guess)
         inside = place.found
         self.place.cell[lines[inside]] = place.cell[inside]
@@ -161,7 +183,7 @@ class _Tracer:
         return new, stages[-1], error
 
 
-def follow_lines(field: VelocityField, seeds: Array, rules: Rules) -> list[Path]:
+def follow_lines(field: VelocityField[P], seeds: Array, rules: Rules) -> list[Path]:
     """Follow the streamlines from ``seeds`` (n, d) to their ends.
 
     Parameters
@@ -187,7 +209,7 @@ def follow_lines(field: VelocityField, seeds: Array, rules: Rules) -> list[Path]
     arclength = np.zeros(count)
     step = np.full(count, 0.1 * rules.largest_step)
     active = np.arange(count)
-    records = [(active, np.column_stack([arclength, state, slope]))]
+    records = [(active, np.column_stack([arclength, state, slope, tracer.place.cell]))]
     end: list[Ending] = ["late"] * count
     for _ in range(MAX_STEPS):
         if active.size == 0:
@@ -204,7 +226,8 @@ def follow_lines(field: VelocityField, seeds: Array, rules: Rules) -> list[Path]
         done = active[good]
         state[done], slope[done] = new[good], end_slope[good]
         arclength[done] += h[good]
-        records.append((done, np.column_stack([arclength, state, slope])[done]))
+        here = [a[done] for a in (arclength, state, slope, tracer.place.cell)]
+        records.append((done, np.column_stack(here)))
         arrived = rules.outlet - state[active, 0] <= ARRIVED * rules.largest_step
         late = state[active, -1] >= rules.most_time
         stuck = step[active] < SMALLEST_STEP * rules.largest_step
@@ -225,7 +248,7 @@ def follow_lines(field: VelocityField, seeds: Array, rules: Rules) -> list[Path]
 
 
 def trace(
-    field: VelocityField, seeds: Array, outlet: float, tolerance: float, largest_step: float
+    field: VelocityField[P], seeds: Array, outlet: float, tolerance: float, largest_step: float
 ) -> list[Path]:
     """Trace the streamlines from ``seeds`` (n, 2) to ``x = outlet``, which all of them reach.
 
@@ -258,10 +281,13 @@ def trace(
 
 
 def _path(record: Array, end: Ending, most_time: float) -> Path:
-    """Return a line from its rows of arclength, position, time and their slopes."""
-    d = (record.shape[1] - 3) // 2
-    s, time, slowness = record[:, 0], record[:, d + 1], record[:, -1]
+    """Return a line from its rows of arclength, position, time, their slopes, and cell."""
+    d = (record.shape[1] - 4) // 2
+    s, position, time, direction, slowness, cell = np.split(
+        record, np.cumsum([1, d, 1, d, 1]), axis=1
+    )
+    s, time, slowness = s[:, 0], time[:, 0], slowness[:, 0]
     length = float(s[-1])
     if time[-1] > most_time:
         length = float(CubicHermiteSpline(s, time, slowness).solve(most_time, extrapolate=False)[0])
-    return Path(s, record[:, 1 : d + 1], time, record[:, d + 2 : -1], slowness, length, end)
+    return Path(s, position, time, direction, slowness, cell[:, 0].astype(np.int64), length, end)
