@@ -1,0 +1,131 @@
+"""Triangles and tetrahedra as arrays of node numbers: sizes, facets, neighbours, boundary."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array
+
+__all__ = [
+    "Facets",
+    "adjacency",
+    "facets",
+    "sharp_nodes",
+    "signed_sizes",
+    "used_only",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SHARP = np.radians(30.0)
+"""Turn of the boundary at an edge that points into the flow, above which it counts as sharp: a
+round wall is drawn with more than twelve facets around."""
+
+
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """The facets of simplices: edges of triangles, faces of tetrahedra.
+
+    Parameters
+    ----------
+    neighbour : (m, k) int array
+        The cell across the facet opposite to each corner, -1 on the boundary.
+    boundary : (b, k - 1) int array
+        Nodes of the facets that belong to one cell.
+    inside : (b,) int array
+        The node of that cell opposite to the facet.
+    """
+
+    neighbour: Index
+    boundary: Index
+    inside: Index
+
+
+def _keys(nodes: Index, count: int) -> Index:
+    """Return one number for each row of sorted node numbers, the same for the same rows."""
+    width = nodes.shape[1]
+    if count**width < 2**63:
+        key = nodes[:, 0].astype(np.int64)
+        for column in range(1, width):
+            key = key * count + nodes[:, column]
+        return np.asarray(key)
+    return np.asarray(np.unique(nodes, axis=0, return_inverse=True)[1]).reshape(-1)
+
+
+def facets(cells: Index) -> Facets:
+    """Return how cells (m, k), triangles or tetrahedra, lie together."""
+    m, k = cells.shape
+    corners = [[j for j in range(k) if j != i] for i in range(k)]
+    opposite = cells[:, corners].reshape(-1, k - 1)
+    key = _keys(np.sort(opposite, axis=1), int(cells.max(initial=0)) + 1)
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    neighbour = np.full(m * k, -1, dtype=np.int64)
+    first, second = order[same], order[same + 1]
+    neighbour[first], neighbour[second] = second // k, first // k
+    alone = neighbour < 0
+    return Facets(neighbour.reshape(m, k), opposite[alone], cells.reshape(-1)[alone])
+
+
+def signed_sizes(points: Array, cells: Index) -> Array:
+    """Return areas or volumes of cells (m, k) on points (n, k - 1); negative if turned over."""
+    sides = points[cells[:, 1:]] - points[cells[:, :1]]
+    if cells.shape[1] == 3:
+        a, b = sides[:, 0], sides[:, 1]
+        return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0
+    cross = np.cross(sides[:, 0], sides[:, 1])
+    return np.asarray(np.einsum("ni,ni->n", cross, sides[:, 2])) / 6.0
+
+
+def adjacency(cells: Index, count: int) -> csr_array:
+    """Return which of so many nodes share a cell, each with itself, as a sparse pattern of ones."""
+    k = cells.shape[1]
+    pairs = [(i, j) for i in range(k) for j in range(k) if i != j]
+    rows = np.concatenate([cells[:, i] for i, _ in pairs] + [np.arange(count)])
+    columns = np.concatenate([cells[:, j] for _, j in pairs] + [np.arange(count)])
+    pattern = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), (count, count))
+    joined = pattern.tocsr()
+    joined.data[:] = 1
+    return joined
+
+
+def used_only(cells: Index, count: int) -> tuple[Index, Index]:
+    """Return cells numbered anew without the nodes that none has, and the nodes kept."""
+    is_used = np.zeros(count, dtype=bool)
+    is_used[cells] = True
+    kept = np.flatnonzero(is_used)
+    number = np.full(count, -1, dtype=np.int64)
+    number[kept] = np.arange(len(kept))
+    return number[cells], kept
+
+
+def sharp_nodes(points: Array, found: Facets) -> Index:
+    """Return the boundary nodes at which a sharp edge points into the flow.
+
+    There the velocity gradient of a viscous flow is singular (a lip, a step, an insert).
+    """
+    boundary = found.boundary
+    spatial = boundary.shape[1] == 3
+    sides = points[boundary[:, 1:]] - points[boundary[:, :1]]
+    if spatial:
+        normal = np.cross(sides[:, 0], sides[:, 1])
+        ridges = boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    else:
+        normal = np.column_stack([sides[:, 0, 1], -sides[:, 0, 0]])
+        ridges = boundary.reshape(-1, 1)
+    inward = points[found.inside] - points[boundary[:, 0]]
+    outward = np.where(np.einsum("ni,ni->n", normal, inward) > 0, -1.0, 1.0)
+    normal = normal * (outward / np.linalg.norm(normal, axis=1))[:, None]
+    centre = points[boundary].mean(axis=1)
+    key = _keys(np.sort(ridges, axis=1), len(points))
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    per_facet = ridges.shape[0] // max(len(boundary), 1)
+    first, second = order[same] // per_facet, order[same + 1] // per_facet
+    turn = np.einsum("ni,ni->n", normal[first], normal[second])
+    ahead = np.einsum("ni,ni->n", normal[first], centre[second] - centre[first])
+    is_sharp = (turn < np.cos(SHARP)) & (ahead > 0)
+    return np.unique(ridges[order[same][is_sharp]])
