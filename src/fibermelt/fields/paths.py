@@ -11,7 +11,7 @@ flux. What flows the other way through the section has no seeds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -71,6 +71,12 @@ SHORTEST = 1e-3
 
 FLAT = 1e-9
 """Parts of the field's extent within which nodes lie in a plane: rounding."""
+
+OPTIONAL = ("pressure", "viscosity", "temperature")
+"""What a field may lack."""
+
+TOGETHER = 32
+"""Lines sampled at a time: 40 MB."""
 
 SAMPLES = 64
 """Pieces of a section's flux for each path: its centre is then known to a few per cent of its
@@ -402,73 +408,100 @@ def trace_field(
         clocked=True,
     )
     edge = _Boundary(field)
-    marked = field.near_wall.astype(np.float64)
-    found = []
-    for k, line in enumerate(follow_lines(field, seeds.points, rules)):
+    lines = follow_lines(field, seeds.points, rules)
+    for k, line in enumerate(lines):
         if line.length < SHORTEST * diagonal:
             msg = (
                 f"paths: path {k + 1} ends {line.length:.3g} m from its seed at "
                 f"{_place(seeds.points[k])} m: seed it upstream, or turn the section"
             )
             raise ConfigError(msg)
-        history, there = _history(field, line, points, law)
-        error, trace, near = (
-            field.evaluate(values, there)
-            for values in (field.gradient_error, field.divergence, marked)
+    sampler = _Sampler(field, points)
+    met = [
+        one
+        for first in range(0, len(lines), TOGETHER)
+        for one in sampler.along(lines[first : first + TOGETHER])
+    ]
+    fractions = seeds.flux_fraction
+    return tuple(
+        FieldPath(
+            index=k + 1,
+            flux_fraction=None if fractions is None else float(fractions[k]),
+            history=_history(one, law),
+            gradient_error=one["gradient_error"],
+            divergence=_part(one["divergence"], one["gradient"]),
+            end=edge.end(lines[k], REACH * rules.largest_step),
+            near_singularity=bool(np.any(one["near_wall"] > 0.5)),
         )
-        size = float(np.max(np.linalg.norm(history.gradient, axis=(1, 2))))
-        fraction = seeds.flux_fraction
-        found.append(
-            FieldPath(
-                index=k + 1,
-                flux_fraction=None if fraction is None else float(fraction[k]),
-                history=history,
-                gradient_error=error,
-                divergence=float(np.max(np.abs(trace))) / size if size > 0.0 else 0.0,
-                end=edge.end(line, REACH * rules.largest_step),
-                near_singularity=bool(np.any(near > 0.5)),
-            )
-        )
-    return tuple(found)
-
-
-def _history(
-    field: Field, line: Path, count: int, law: ViscosityLaw | None
-) -> tuple[FlowHistory, Place]:
-    """Return the history at ``count`` points of a line, and where they lie."""
-    begin = field.locate(line.position, _guess(field, line.cell))
-    L = field.evaluate(field.gradient, begin)
-    at = line.spread(np.sqrt(0.5) * np.linalg.norm(L + L.swapaxes(1, 2), axis=(1, 2)), count)
-    position, time = line.at(at)
-    step = np.searchsorted(line.arclength, at, side="right") - 1
-    place = field.locate(position, _guess(field, line.cell[step]))
-    if not place.found.all():
-        lost = position[~place.found][0]
-        msg = f"paths: a point between two steps, {_place(lost)} m, lies outside the field"
-        raise ConvergenceError(msg)
-
-    def known(values: Array | None) -> Array | None:
-        return None if values is None else field.evaluate(values, place)
-
-    pressure = known(field.pressure)
-    history = FlowHistory(
-        time=time,
-        position=position,
-        velocity=field.velocity_at(place),
-        gradient=field.evaluate(field.gradient, place),
-        pressure=np.zeros(count) if pressure is None else pressure,
-        viscosity=known(field.viscosity),
-        temperature=known(field.temperature),
+        for k, one in enumerate(met)
     )
-    if history.viscosity is None and law is not None:
-        viscosity = np.asarray(law.viscosity_at(history.shear_rate))
-        values = {name: getattr(history, name) for name in history.quantities}
-        history = FlowHistory(**values, viscosity=viscosity)
-    return history, place
 
 
-def _guess(field: Field, cell: Index) -> Place:
-    return Place(cell, np.zeros((len(cell), field.dimension)))
+class _Sampler:
+    """What is met on lines, at so many points of each: the field's nodal values side by side."""
+
+    def __init__(self, field: Field, count: int) -> None:
+        self.field = field
+        self.count = count
+        self.rate = np.sqrt(0.5) * np.linalg.norm(
+            field.gradient + field.gradient.swapaxes(1, 2), axis=(1, 2)
+        )
+        wanted = ("gradient_error", "divergence", "near_wall", *OPTIONAL)
+        self.names = [name for name in wanted if getattr(field, name) is not None]
+        columns = [getattr(field, name) for name in self.names]
+        self.table = np.column_stack([field.gradient.reshape(-1, 9), *columns])
+
+    def along(self, lines: list[Path]) -> list[dict[str, Array]]:
+        """Return time, position, velocity and what the field has, by name, on each line."""
+        field, count = self.field, self.count
+        position = np.concatenate([line.position for line in lines])
+        place = field.locate(position, self._guess([line.cell for line in lines]))
+        rate = np.split(
+            field.evaluate(self.rate, place), np.cumsum([len(line.cell) for line in lines])[:-1]
+        )
+        at = [line.spread(one, count) for line, one in zip(lines, rate, strict=True)]
+        states = [line.at(one) for line, one in zip(lines, at, strict=True)]
+        position = np.concatenate([x for x, _ in states])
+        cells = [
+            line.cell[np.searchsorted(line.arclength, one, side="right") - 1]
+            for line, one in zip(lines, at, strict=True)
+        ]
+        place = field.locate(position, self._guess(cells))
+        if not place.found.all():
+            lost = position[~place.found][0]
+            msg = f"paths: a point between two steps, {_place(lost)} m, lies outside the field"
+            raise ConvergenceError(msg)
+        table = field.evaluate(self.table, place)
+        velocity = field.velocity_at(place)
+        met = []
+        for k, (x, time) in enumerate(states):
+            rows = slice(k * count, (k + 1) * count)
+            one = {"time": time, "position": x, "velocity": velocity[rows]}
+            one["gradient"] = table[rows, :9].reshape(-1, 3, 3)
+            one |= dict(zip(self.names, table[rows, 9:].T, strict=True))
+            met.append(one)
+        return met
+
+    def _guess(self, cells: list[Index]) -> Place:
+        cell = np.concatenate(cells)
+        return Place(cell, np.zeros((len(cell), self.field.dimension)))
+
+
+def _history(met: dict[str, Array], law: ViscosityLaw | None) -> FlowHistory:
+    """Return the history of what is met on a line."""
+    values = {name: met[name] for name in ("time", "position", "velocity", "gradient")}
+    values |= {name: met[name] for name in OPTIONAL if name in met}
+    values.setdefault("pressure", np.zeros(len(met["time"])))
+    history = FlowHistory(**values)
+    if law is None or history.viscosity is not None:
+        return history
+    return replace(history, viscosity=np.asarray(law.viscosity_at(history.shear_rate)))
+
+
+def _part(trace: Array, gradient: Array) -> float:
+    """Return the largest trace in parts of the largest gradient; none of melt without either."""
+    size = float(np.max(np.linalg.norm(gradient, axis=(1, 2))))
+    return float(np.max(np.abs(trace))) / size if size > 0.0 else 0.0
 
 
 class _Boundary:

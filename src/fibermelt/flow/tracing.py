@@ -114,9 +114,10 @@ class Path:
 
     def at(self, arclength: Array) -> tuple[Array, Array]:
         """Return position (n, d) and time (n,) between the steps, by cubic Hermite splines."""
-        position = CubicHermiteSpline(self.arclength, self.position, self.direction)(arclength)
-        time = CubicHermiteSpline(self.arclength, self.time, self.slowness)(arclength)
-        return np.asarray(position), np.asarray(time)
+        states = np.column_stack([self.position, self.time])
+        slopes = np.column_stack([self.direction, self.slowness])
+        found = CubicHermiteSpline(self.arclength, states, slopes)(arclength)
+        return np.ascontiguousarray(found[:, :-1]), np.ascontiguousarray(found[:, -1])
 
     def spread(self, rate: Array, count: int) -> Array:
         """Return the arclengths [m] of ``count`` points on the line, the first at its start.
