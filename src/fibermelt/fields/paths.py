@@ -49,15 +49,16 @@ TRACING_TOLERANCE = 1e-7
 of a hundredth of it, are good to 1e-6 at best."""
 
 LARGEST_STEP = 0.02
-"""Longest step in diagonals of the field: the cubic between steps is then good to the tolerance."""
+"""Longest step in diagonals of the field: several cells, whose faces the error control sees."""
 
 STILL = 1e-6
 """Parts of the field's highest speed below which the melt stands: a line has crept there for about
 as long as it took all the way before."""
 
-OPEN = 0.1
-"""Part of a cell's speed that must leave through its facet for the boundary to be open there: six
-degrees, more than a moving round wall drawn with 32 facets lets through."""
+OPEN = 0.02
+"""Part of a cell's highest speed that must leave through its facet, on the mean, for the boundary
+to be open there: one degree. A wall lets through what the discretisation leaves; a moving round one
+drawn with facets as much out as in."""
 
 REACH = 1e-4
 """Longest steps within which a line that has left must meet the boundary; it stops 1e-7 before."""
@@ -405,7 +406,7 @@ def trace_field(
         largest_step=LARGEST_STEP * diagonal,
         least_speed=STILL * fastest,
         most_time=most_time,
-        clocked=True,
+        between=True,
     )
     edge = _Boundary(field)
     lines = follow_lines(field, seeds.points, rules)
@@ -508,8 +509,8 @@ class _Boundary:
     """The facets that belong to one cell, and what passes through them.
 
     ``cell``, ``corner`` (the one opposite), ``nodes`` and outward ``normal`` of each; ``leaving``,
-    the highest velocity outwards at its nodes in parts of the cell's highest speed, or the lowest,
-    if that is larger; ``is_still``, of all nodes of the field, whether the boundary rests there.
+    the mean velocity outwards of its nodes in parts of the cell's highest speed; ``is_still``, of
+    all nodes of the field, whether they belong to a facet that rests.
     """
 
     def __init__(self, field: Field) -> None:
@@ -526,14 +527,13 @@ class _Boundary:
         self.normal = normal * (outward / np.linalg.norm(normal, axis=1))[:, None]
         speed = np.linalg.norm(field.velocity, axis=1)
         across = np.einsum("bki,bi->bk", field.velocity[self.nodes], self.normal)
-        most = np.take_along_axis(across, np.abs(across).argmax(axis=1)[:, None], axis=1)[:, 0]
         local = speed[field.cells[self.cell]].max(axis=1)
-        self.leaving = most / np.where(local > 0.0, local, 1.0)
+        self.leaving = across.mean(axis=1) / np.where(local > 0.0, local, 1.0)
         self.number = np.full(field.cells.shape, -1, dtype=np.int64)
         self.number[self.cell, self.corner] = np.arange(len(self.cell))
+        rests = (speed[self.nodes] <= STILL * speed.max()).all(axis=1)
         self.is_still = np.zeros(len(field.points), dtype=bool)
-        self.is_still[self.nodes] = True
-        self.is_still &= speed <= STILL * speed.max()
+        self.is_still[self.nodes[rests]] = True
 
     def end(self, line: Path, reach: float) -> PathEnd:
         """Return why a line ended."""
