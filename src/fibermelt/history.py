@@ -123,8 +123,13 @@ class FlowHistory(Unchanging):
     def _take_shape(self) -> None:
         """Embed what is given in a plane, and refuse shapes that disagree."""
         axes = self.time.shape
-        if not axes or axes[-1] < 2:
-            msg = f"history: {axes[-1] if axes else 1} points of time: a path has at least 2"
+        if not axes:
+            msg = "history: time has shape (), expected (..., n) with n points, at least 2"
+            raise HistoryError(msg)
+        if axes[-1] < 2:
+            msg = (
+                f"history: time has shape {axes}, {axes[-1]} points of time: a path has at least 2"
+            )
             raise HistoryError(msg)
         d = 2 if self.position.shape == (*axes, 2) else 3
         tails = {"position": (d,), "velocity": (d,), "gradient": (d, d)}
@@ -185,7 +190,8 @@ class FlowHistory(Unchanging):
     @property
     def quantities(self) -> tuple[str, ...]:
         """Return the names of what is known at the points."""
-        return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
+        known = (name for name in OPTIONAL if getattr(self, name) is not None)
+        return (*(name for name in QUANTITIES if name not in OPTIONAL), *known)
 
     @cached_property
     def planar(self) -> bool:
@@ -307,6 +313,9 @@ class FlowHistory(Unchanging):
 
 QUANTITIES = tuple(field.name for field in fields(FlowHistory))
 """What can be known at the points of a path."""
+
+OPTIONAL = ("viscosity", "temperature")
+"""What need not be."""
 
 
 def _miss(values: Array, rate: Array, time: Array) -> float:

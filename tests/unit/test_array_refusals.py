@@ -99,9 +99,6 @@ TIMED: dict[str, Case] = {
     "jeffery_angle time": (lambda t: fiber.jeffery_angle(t, 1.0, 6.0), TIMES),
     "jeffery_director time": (lambda t: fiber.jeffery_director(t, 1.0, 6.0, AXIS), TIMES),
     "turned_angle time": (lambda t: fiber.turned_angle(0.9, 1.0, t), TIMES),
-    "follow_directors time": along(
-        lambda L, t: fiber.follow_directors(spatial(t, L), 0.9, AXIS[None])
-    ),
     "follow_orientation time": along(
         lambda L, t: fm.follow_orientation(FOLGAR, ORE, (t, L), ORIENTED)
     ),
@@ -145,10 +142,6 @@ PLAIN: dict[str, Case] = {
     "isotropic_pressure levels": (
         lambda x: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, 1.0, x),
         HALF,
-    ),
-    "follow_directors gradient": (
-        lambda L: fiber.follow_directors(spatial(np.array([0.0, 1.0]), L), 0.9, AXIS[None]),
-        np.stack([SHEAR, SHEAR]),
     ),
     "follow_directors directions": (
         lambda p: fiber.follow_directors(HISTORY, 0.9, p),

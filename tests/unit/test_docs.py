@@ -136,11 +136,13 @@ def test_the_how_to_of_streamlines_runs() -> None:
     known: dict[str, Any] = {name: getattr(given, name) for name in ("time", "position")}
     known |= {"velocity": given.velocity, "pressure": given.pressure}
     # A trace as a solver leaves it, which the second block takes out and the first refuses.
-    known["gradient"] = given.gradient + 1e-4 * np.eye(2)
-    first, second, third = (text for where, text in blocks("python") if "streamlines" in where)
+    known["gradient"] = given.gradient + 1e-4 * np.eye(3)
+    first, second, check, third = (
+        text for where, text in blocks("python") if "streamlines" in where
+    )
     with pytest.raises(fibermelt.HistoryError, match="has trace"):
         exec(first, known)
-    for text in (second, first, third):
+    for text in (second, first, check, third):
         exec(text, known)
     assert np.abs(known["history"].gradient - given.gradient).max() < 1e-15
     assert np.all(known["bound"].lowest <= known["pressure"].lowest.min(axis=0))

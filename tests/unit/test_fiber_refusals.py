@@ -5,7 +5,6 @@ The last test keeps the list complete: a function that takes one of these must b
 
 import inspect
 from collections.abc import Callable
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,7 +65,6 @@ GRADIENTS_2D: dict[str, Call] = {
 }
 GRADIENTS_3D: dict[str, Call] = {
     "ellipsoid_field": lambda L: fiber.ellipsoid_field(Ellipsoid((1, 1, 1)), L, 2.0 * AXIS),
-    "follow_directors": lambda L: fiber.follow_directors(Spatial(L), 0.9, AXIS[None]),
     "SpheroidResponse.rate": lambda L: SPHEROID.rate(L, AXIS),
     "SpheroidResponse.angular_velocity": lambda L: SPHEROID.angular_velocity(L, AXIS),
     "SpheroidResponse.surface_stress": lambda L: SPHEROID.surface_stress(L, AXIS),
@@ -294,22 +292,3 @@ def test_paths_are_checked_when_they_are_made() -> None:
     """So that `FlowHistory.stack` and all that takes a path need not look again."""
     with pytest.raises(HistoryError, match="has trace"):
         FlowHistory.stack([history(PLANAR), history(np.diag([1.0, 0.0]))])
-
-
-@pytest.mark.parametrize(
-    ("time", "points", "message"),
-    [
-        ([0.0, 1.0, 1.0], 3, r"after time\[1\] = 1 s"),
-        ([0.0, 2.0, 1.0], 3, r"after time\[1\] = 2 s"),
-        ([0.0, np.nan, 1.0], 3, r"time\[1\] = nan s: must be finite"),
-        ([0.0, np.inf, np.inf], 3, r"time\[1\] = inf s: must be finite"),
-        ([0.0, 1.0], 3, r"time has shape \(2,\), expected \(3,\)"),
-        ([0.0], 1, "two points or more"),
-    ],
-)
-def test_times_of_a_path_of_ones_own(time: list[float], points: int, message: str) -> None:
-    # a FlowHistory has its own checks; anything with a time and a gradient is taken, too
-    gradient = np.broadcast_to([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], (points, 3, 3))
-    path = SimpleNamespace(time=np.array(time), gradient=gradient)
-    with pytest.raises(HistoryError, match=message):
-        fiber.follow_directors(path, 0.9, [[1.0, 0.0, 0.0]])

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from fibermelt.errors import HistoryError
 from fibermelt.fiber import follow
@@ -57,8 +58,8 @@ def test_a_history_with_another_gradient_is_another() -> None:
     [
         ("time", "soon", "history: time is no array of numbers"),
         ("pressure", [[0, 0], [0]], "history: pressure is no array of numbers"),
-        ("time", 1.0, r"history: time has shape \(\), expected \(1,\)"),
-        ("time", [0.0], r"history: position has shape \(3, 2\), expected \(1, 2\)"),
+        ("time", 1.0, r"history: time has shape \(\), expected \(\.\.\., n\)"),
+        ("time", [0.0], "1 points of time"),
         ("time", [0.0, 1.0, 1.0], r"time\[2\] = 1 s follows 1 s"),
         ("time", [0.0, 2.0, 1.0], r"time\[2\] = 1 s follows 2 s"),
         ("time", [0.0, 1.0, np.inf], r"time\[2\] = inf is not finite"),
@@ -78,3 +79,88 @@ def test_what_no_history_can_be(name: str, value: object, message: str) -> None:
 def test_a_shear_without_time(duration: float, points: int, message: str) -> None:
     with pytest.raises(HistoryError, match=message):
         simple_shear(1.0, duration, points)
+
+
+LINEAR = np.array([[0.3, 1.0, 0.0], [0.1, -0.5, 0.2], [0.0, 0.0, 0.2]])
+"""A steady flow ``u = L x`` without symmetry: no transposed gradient fits it."""
+
+
+AXIS = np.array([0.0, 0.0, 1.0])
+
+
+def linear(points: int, duration: float = 3.0) -> FlowHistory:
+    """Return a path of the flow of `LINEAR`, exact."""
+    t = np.linspace(0.0, duration, points)
+    x = np.stack([expm(LINEAR * time) @ [1.0, 1.0, 0.5] for time in t])
+    L = np.tile(LINEAR, (points, 1, 1))
+    return FlowHistory(t, x, x @ LINEAR.T, L, np.zeros(points))
+
+
+def test_the_plane_is_a_part_of_space() -> None:
+    flat = simple_shear(2.0, 3.0, 5)
+    assert flat.planar
+    assert flat.position.shape == (5, 3)
+    assert flat.gradient.shape == (5, 3, 3)
+    assert flat.plane_gradient == pytest.approx(flat.gradient[:, :2, :2], abs=0.0)
+    lifted = replace(flat, position=flat.position + 4.0 * AXIS)
+    assert lifted.planar
+    assert not linear(5).planar
+    swirl = replace(flat, velocity=flat.velocity + AXIS)
+    assert not swirl.planar
+    with pytest.raises(HistoryError, match="leaves the plane of x and y"):
+        follow(swirl, 0.9, [0.3])
+
+
+def test_stacked_and_taken_apart() -> None:
+    paths = [linear(9), replace(linear(9), viscosity=np.full(9, 3.0))]
+    both = FlowHistory.stack(paths)
+    assert both.time.shape == (2, 9)
+    assert len(both) == 9
+    assert both.viscosity is None  # one of them does not know it
+    for line, path in zip(both.lines, paths, strict=True):
+        assert np.array_equal(line.position, path.position)
+    assert paths[0].lines == (paths[0],)
+    with pytest.raises(HistoryError, match=r"histories of \[5, 9\] points cannot be stacked"):
+        FlowHistory.stack([linear(5), linear(9)])
+
+
+@pytest.mark.parametrize(("points", "kept"), [(9, [0, 2, 4, 6, 8]), (8, [0, 1, 3, 5, 7])])
+def test_every_second_point_and_both_ends(points: int, kept: list[int]) -> None:
+    whole = FlowHistory.stack([linear(points), linear(points)])
+    assert np.array_equal(whole.every_second().time, whole.time[:, kept])
+
+
+def test_an_exact_history_fits_itself_to_second_order() -> None:
+    found = [linear(points).consistency() for points in (51, 101, 201)]
+    assert all(one.told == () for one in found)
+    for name in ("transport", "steadiness"):
+        first, second, third = (getattr(one, name) for one in found)
+        assert np.log2(first / second) == pytest.approx(2.0, abs=0.05)
+        assert np.log2(second / third) == pytest.approx(2.0, abs=0.05)
+
+
+def test_what_does_not_fit_is_told_with_how_much() -> None:
+    good = linear(201)
+    turned = replace(good, gradient=good.gradient.swapaxes(-1, -2)).consistency()
+    assert len(turned.told) == 1
+    assert "transposed" in turned.told[0]
+    assert turned.steadiness > 0.3
+    scaled = replace(good, position=1e3 * good.position).consistency()
+    assert "dx/dt = u" in scaled.told[0]
+    assert scaled.transport == pytest.approx(0.999, abs=1e-3)
+    absolute = replace(good, pressure=np.linspace(2e6, 101325.0, 201)).consistency()
+    assert "absolute" in absolute.told[0]
+    unsteady = replace(good, gradient=2.0 * good.gradient).consistency()
+    assert "not steady" in unsteady.told[0]
+    wave = np.cos(np.arange(9))[:, None, None] * LINEAR
+    coarse = replace(linear(9), gradient=wave).consistency()
+    assert any("9 points are few" in line for line in coarse.told)
+
+
+def test_what_a_history_says_of_itself() -> None:
+    assert repr(simple_shear(2.0, 3.0, 5)) == (
+        "FlowHistory(5 points in the plane, 3 s, strain 6, pressure 0 to 0 Pa)"
+    )
+    assert repr(FlowHistory.stack([linear(5), linear(5)])).startswith(
+        "FlowHistory(2 paths, 5 points in space"
+    )

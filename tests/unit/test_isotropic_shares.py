@@ -82,8 +82,10 @@ def turned(path: FlowHistory, angle: float) -> FlowHistory:
     """The same flow in axes turned by an angle."""
     c, s = np.cos(angle), np.sin(angle)
     Q = np.array([[c, -s], [s, c]])
-    gradient = Q @ path.gradient @ Q.T
-    return FlowHistory(path.time, path.position, path.velocity, gradient, path.pressure)
+    gradient = Q @ path.plane_gradient @ Q.T
+    return FlowHistory(
+        path.time, path.position[..., :2], path.velocity[..., :2], gradient, path.pressure
+    )
 
 
 def sampled(path: FlowHistory, response: FiberResponse, middle: float, count: int = COUNT):
@@ -188,7 +190,13 @@ def test_turned_axes_change_nothing(seed: int, angle: float) -> None:
 def test_mirrored_axes_change_nothing() -> None:
     one, response = history(11), RESPONSES["ellipse"]
     M = np.diag([1.0, -1.0])
-    two = FlowHistory(one.time, one.position, one.velocity, M @ one.gradient @ M, one.pressure)
+    two = FlowHistory(
+        one.time,
+        one.position[:, :2],
+        one.velocity[:, :2],
+        M @ one.plane_gradient @ M,
+        one.pressure,
+    )
     found, mirrored = (isotropic_pressure(path, response, MU, 1.5) for path in (one, two))
     room = SPLINED * pressure_bounds(one, response, MU).highest.max()
     for name in ("lowest", "highest", "extremes"):

@@ -270,7 +270,6 @@ def test_one_middle_time_for_all_paths(name: str) -> None:
 
 def test_middle_times_of_other_paths() -> None:
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
+    paths = FlowHistory.stack([winding(), winding()])
     with pytest.raises(ConfigError, match="middle_time has 3 values for 2 paths"):
-        model.isotropic_pressure(
-            FlowHistory.stack([winding(), winding()]), VISCOSITY, np.full(3, MIDDLE)
-        )
+        model.isotropic_pressure(paths, VISCOSITY, np.full(3, MIDDLE))
