@@ -49,7 +49,8 @@ class Consistency:
         parts of the way [-].
     steadiness : float
         ``du/dt = L u`` of a steady flow: the same of velocities and gradients, in parts of the
-        velocity's changes [-].
+        most that such gradients could change such velocities, ``int |L| |u| dt`` [-]; where paths
+        are straight nothing changes, and what is left of rounding is no part of it.
     coarseness : float
         What every second point says wrong of the gradient between, as the strain that it stands
         for, in parts of the whole strain [-]: the square of the points' spacing.
@@ -299,13 +300,15 @@ class FlowHistory(Unchanging):
 
         Intervals are integrated by the trapezoidal rule, so that a line of few points is told, too.
         """
-        transport = _miss(self.position, self.velocity, self.time)
+        speed = np.linalg.norm(self.velocity, axis=-1)
+        able = speed * np.linalg.norm(self.gradient, axis=(-2, -1))
+        transport = _miss(self.position, self.velocity, speed, self.time)
         flow, turned = (
             np.einsum(f"...{axes},...j->...i", self.gradient, self.velocity)
             for axes in ("ij", "ji")
         )
-        steadiness = _miss(self.velocity, flow, self.time)
-        transposed = _miss(self.velocity, turned, self.time)
+        steadiness = _miss(self.velocity, flow, able, self.time)
+        transposed = _miss(self.velocity, turned, able, self.time)
         coarseness = _coarseness(self.gradient, self.time)
         told = []
         if transport > LARGEST_MISS:
@@ -316,11 +319,11 @@ class FlowHistory(Unchanging):
         if steadiness > LARGEST_MISS and transposed < 0.5 * steadiness:
             told.append(
                 f"the gradient seems to be transposed: du/dt = L u misses by {steadiness:.2g} of "
-                f"the velocity's changes, with L^T by {transposed:.2g}; L[i, j] is d u_i/d x_j"
+                f"what could change, with L^T by {transposed:.2g}; L[i, j] is d u_i/d x_j"
             )
         elif steadiness > LARGEST_MISS:
             told.append(
-                f"velocities and gradients disagree by {steadiness:.2g} of the velocity's changes "
+                f"velocities and gradients disagree by {steadiness:.2g} of what could change "
                 "(du/dt = L u): the flow is not steady, the gradient poor, or the points too few"
             )
         if coarseness > FEWEST:
@@ -344,12 +347,15 @@ OPTIONAL = ("viscosity", "temperature")
 """What need not be."""
 
 
-def _miss(values: Array, rate: Array, time: Array) -> float:
-    """Return how far ``values`` (..., n, 3) are from the integral of their rate, in their parts."""
-    step = np.diff(time, axis=-1)[..., None]
+def _miss(values: Array, rate: Array, size: Array, time: Array) -> float:
+    """Return how far ``values`` (..., n, 3) are from the integral of their rate.
+
+    In parts of the larger of their way and the integral of the rate's ``size`` (..., n).
+    """
+    step = np.diff(time, axis=-1)
     gone = np.diff(values, axis=-2)
-    said = 0.5 * step * (rate[..., 1:, :] + rate[..., :-1, :])
-    whole = max(_length(gone), _length(said))
+    said = 0.5 * step[..., None] * (rate[..., 1:, :] + rate[..., :-1, :])
+    whole = max(_length(gone), float(np.sum(0.5 * step * (size[..., 1:] + size[..., :-1]))))
     return _length(gone - said) / whole if whole > 0.0 else 0.0
 
 

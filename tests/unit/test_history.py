@@ -157,6 +157,20 @@ def test_what_does_not_fit_is_told_with_how_much() -> None:
     assert any("9 points are few" in line for line in coarse.told)
 
 
+def test_straight_paths_of_rounded_velocities_fit() -> None:
+    """Where ``L u = 0`` the velocity changes by rounding, which once was all of it."""
+    rng = np.random.default_rng(1)
+    shear = simple_shear(3.0, 2.0, 101)
+    way = np.linspace(0.0, 10.0, 101)[:, None] * [1.0, 0.0, 0.0]
+    rounded = np.tile([5.0, 0.0, 0.0], (101, 1)) + 1e-14 * rng.normal(size=(101, 3))
+    straight = replace(shear, position=way, velocity=rounded)
+    assert straight.consistency().told == ()
+    assert straight.consistency().steadiness < 1e-12
+    turned = replace(straight, gradient=straight.gradient.swapaxes(-1, -2)).consistency()
+    assert "transposed" in turned.told[0]
+    assert turned.steadiness == pytest.approx(1.0, abs=1e-6)
+
+
 def test_what_a_history_says_of_itself() -> None:
     assert repr(simple_shear(2.0, 3.0, 5)) == (
         "FlowHistory(5 points in the plane, 3 s, strain 6, pressure 0 to 0 Pa)"

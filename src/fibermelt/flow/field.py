@@ -194,3 +194,7 @@ class FlowField(Unchanging):
         result = np.einsum("nk,nk...->n...", weights, values[self.cells[place.cell]])
         result[~place.found] = np.nan
         return np.asarray(result)
+
+    def velocity_at(self, place: Place) -> Array:
+        """Return the velocity at ``place`` [m/s]; NaN outside the field."""
+        return self.evaluate(self.velocity, place)

@@ -112,17 +112,9 @@ def _settled(history: FlowHistory, bed_speed: float) -> float:
 def _history(
     field: FlowField, melt: ViscosityLaw, path: Path, count: int
 ) -> tuple[FlowHistory, Array, Array]:
-    """Return the history at ``count`` points of ``path``, stream function and error there.
-
-    Points are spread evenly over the mean of two measures, each scaled to one: arclength, and the
-    strain ``int gamma_dot dt`` that turns the fiber.
-    """
-    place = field.locate(path.position)
-    rate = field.evaluate(field.shear_rate, place)
-    strain = np.r_[0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(path.time))]
-    measure = 0.5 * (path.arclength / path.arclength[-1] + strain / strain[-1])
-    at = np.interp(np.linspace(0.0, 1.0, count), measure, path.arclength)
-    at[0], at[-1] = path.arclength[0], path.arclength[-1]
+    """Return the history at ``count`` points of ``path``, stream function and error there."""
+    rate = field.evaluate(field.shear_rate, field.locate(path.position))
+    at = path.spread(rate, count)
     xy, time = path.at(at)
     place = field.locate(xy)
     if not place.found.all():
