@@ -66,7 +66,8 @@ def cells_to_nodes(points: Array, centres: Array, member: csr_array) -> csr_arra
             near = np.einsum("bi,bi->b", node, node) <= FARTHEST
             chosen = np.flatnonzero(good)[near]
             weight[chosen] *= 1.0 + np.einsum("bi,bki->bk", node[near], y[near])
-            done = np.ones(len(part), dtype=bool) if is_last else np.isin(np.arange(len(part)), chosen)
+            done = np.full(len(part), is_last)
+            done[chosen] = True
             failed.append(part[~done])
             keep = is_own & done[:, None]
             rows.append(np.repeat(part, keep.sum(axis=1)))

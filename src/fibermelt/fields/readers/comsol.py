@@ -148,13 +148,11 @@ def _read_sectionwise(path: Path, time_step: float | None) -> Contents:
             column = numbers(path, body, 1, start + 2)[:, 0]
             refuse_short(path, f"values of {headings[-1]}", len(column), len(points))
             values.append(column)
-    for what, found in (("Nodes", points), ("Elements", cells)):
+    counts = {"Nodes": len(points), "Expressions": len(values)}
+    counts["Elements"] = 0 if cells is None else len(cells)
+    for what, count in counts.items():
         expected = _count(header, what)
-        if expected is not None:
-            refuse_short(path, what.lower(), 0 if found is None else len(found), expected)
-    expected = _count(header, "Expressions")
-    if expected is not None:
-        refuse_short(path, "expressions", len(values), expected)
+        refuse_short(path, what.lower(), count, count if expected is None else expected)
     if cells is not None and len(cells):
         cells = cells - (1 if cells.min() >= 1 else 0)
         if cells.max() >= len(points):
