@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 HEADER = re.compile(r"%\s*([A-Z][A-Za-z ]*):\s*(.*?)\s*")
 AT_TIME = re.compile(r"(.*?)\s*@\s*(?:\d+:\s*)?t\s*=\s*([-+.\deE]+).*")
+ELEMENTS = re.compile(r"Elements(?:\s*\(.*\))?")
 DATA = re.compile(r"%\s*Data\s*\((.*)\)\s*")
 COORDINATE_NAMES = ("x", "y", "z", "r", "X", "Y", "Z", "R")
 
@@ -133,7 +134,7 @@ def _read_sectionwise(path: Path, time_step: float | None) -> Contents:
         if title == "Coordinates":
             width = _count(header, "Dimension") or len(_first(body))
             points = numbers(path, body, width, start + 2)
-        elif title.startswith("Elements"):
+        elif ELEMENTS.fullmatch(title):
             corners = len(_first(body))
             if corners not in {3, 4} or corners != points.shape[1] + 1:
                 msg = (

@@ -148,8 +148,11 @@ def _read(kind: str, suffix: str, path: Path, time_step: float | None) -> Conten
             raise _damaged(path, kind, str(error)) from error
         finally:
             vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
-    if catcher.error_events:
-        raise _damaged(path, kind, str(catcher.error_events[0].alert or ""))
+    faults = [str(event.alert or "") for event in catcher.error_events]
+    # VTK cannot read back the range that it wrote of an array with NaN; the array it can
+    faults = [fault for fault in faults if "InformationKey" not in fault]
+    if faults:
+        raise _damaged(path, kind, faults[0])
     contents = _contents(path, kind, data, times)
     return _with_dimensions(path, contents) if suffix == ".foam" else contents
 
