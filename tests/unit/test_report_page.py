@@ -119,7 +119,7 @@ def test_it_refers_to_nothing_outside(page: str, read: Reader) -> None:
 
 def test_figures_stand_once_each_with_words_and_a_size(read: Reader, results: xr.Dataset) -> None:
     images = read.all("img")
-    drawn = [plate for plate in FIGURES if plate.needs in results]
+    drawn = [plate for plate in FIGURES if plate.is_of(results)]
     words = {plate.name: plate.words(results).alt for plate in drawn}
     asked = ["overview", *(name for section in SECTIONS for name in section.figures)]
     assert [image["alt"] for image in images] == [words[name] for name in asked if name in words]
@@ -172,7 +172,7 @@ def test_markup_in_a_store_is_text(drawn: dict[str, bytes]) -> None:
     assert "<img src=x" not in page
     read = Reader(page)
     assert MARKUP in "".join(read.text["h1"])
-    assert len(read.all("img")) == len([plate for plate in FIGURES if plate.needs in results])
+    assert len(read.all("img")) == len([plate for plate in FIGURES if plate.is_of(results)])
 
 
 def test_sections_are_left_out_where_there_is_nothing_to_tell(results: xr.Dataset) -> None:

@@ -26,7 +26,11 @@ from fibermelt.report.style import STYLE
 CAPILLARY = 3e-3
 """Width of the capillary of the made-up bead [m]."""
 
-PLATES = [p for p in FIGURES if p.needs in {"extreme", "orientation", "void_margin"}]
+PLATES = [
+    p
+    for p in FIGURES
+    if p.needs.split()[0] in {"extreme", "orientation", "void_margin"} and "field" not in p.needs
+]
 """The figures of the parts bead, orientation and voids."""
 
 NOTHING = re.compile(r"(?<![\d.,])[-−+±]?0(\.0+)? (nm|µm|mm/s|mm|m/s|ms|s|1/s|Pa|kPa|MPa)\b")

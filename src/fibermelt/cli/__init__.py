@@ -12,6 +12,7 @@ import typer
 
 from fibermelt.cli.checks import verify
 from fibermelt.cli.fibers import domain_size, orbit, orientation
+from fibermelt.cli.fields import fields
 from fibermelt.cli.plans import plan
 from fibermelt.cli.reports import report
 from fibermelt.cli.signals import stand_in_for_closed
@@ -31,7 +32,7 @@ app = typer.Typer(
 )
 app.callback()(options)
 COMMANDS = (
-    *(run, report, voids, validate, defaults),
+    *(run, report, voids, fields, validate, defaults),
     *(plan, sweep, status, resume, collect, clean),
     *(orbit, orientation, domain_size),
     *(verify, version),

@@ -13,10 +13,10 @@ __all__ = ["cells_to_nodes"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FARTHEST = 16.0
+FARTHEST = 36.0
 """Square of a node's distance from the middle of its cells, in their own width, up to which a plane
-is led on to it: 12 in the corner of a box of two layers of cells. Beyond, the cells lie in one
-layer and say nothing of the slope across."""
+is led on to it: 12 in the corner of a box of two layers of bricks, 20 of tetrahedra. Beyond, the
+cells lie in one layer and say nothing of the slope across."""
 
 ROWS = 10_000
 """Nodes looked at together."""
@@ -66,7 +66,8 @@ def cells_to_nodes(points: Array, centres: Array, member: csr_array) -> csr_arra
             near = np.einsum("bi,bi->b", node, node) <= FARTHEST
             chosen = np.flatnonzero(good)[near]
             weight[chosen] *= 1.0 + np.einsum("bi,bki->bk", node[near], y[near])
-            done = np.ones(len(part), dtype=bool) if is_last else np.isin(np.arange(len(part)), chosen)
+            done = np.full(len(part), is_last)
+            done[chosen] = True
             failed.append(part[~done])
             keep = is_own & done[:, None]
             rows.append(np.repeat(part, keep.sum(axis=1)))

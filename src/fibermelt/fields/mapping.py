@@ -107,7 +107,7 @@ def _plain(name: str) -> str:
 
 def _components(arrays: Mapping[str, Array], width: int, *, turned: bool) -> list[str]:
     """Return the velocities whose components are arrays of their own, as ``"u, v, w"``."""
-    scalars = {}
+    scalars: dict[str, str] = {}
     for name, values in arrays.items():
         if values.ndim == 1:
             scalars.setdefault(_plain(name), name)
@@ -138,9 +138,7 @@ def _slopes(arrays: Mapping[str, Array], width: int) -> list[str]:
     found = []
     for pattern in GRADIENT_NAMES:
         for letters in ("xyz", "uvw"):
-            keys = [
-                pattern.format(u=u, x=x) for u in letters[:width] for x in "xyz"[:width]
-            ]
+            keys = [pattern.format(u=u, x=x) for u in letters[:width] for x in "xyz"[:width]]
             if all(key in scalars for key in keys) and (
                 pattern != "{u}{x}" or {"u", "v"} <= set(scalars)
             ):
@@ -192,8 +190,8 @@ def _named(contents: Contents, role: str, asked: str) -> str:
     names = []
     for part in asked.split(","):
         word = part.strip()
-        name = word if word in contents.arrays else plain.get(_plain(word))
-        if name is None:
+        name = word if word in contents.arrays else plain.get(_plain(word), "")
+        if not name:
             msg = f'field.{role} = "{legible(asked)}": the file has no "{legible(word)}"; it has '
             raise ConfigError(msg + _all(contents.arrays))
         names.append(name)
@@ -284,34 +282,19 @@ def _scale(unit: str, si: str) -> tuple[float, float]:
 
 def _decided(key: str, of: str, si: str, written: str, asked: str, *, names_units: bool) -> Scale:
     """Return the scale of one unit that the file writes, a study asks for, both or neither."""
-    if written:
-        try:
-            factor, offset = _scale(written, si)
-        except ConfigError as error:
-            if not asked:
-                way = f'say field.{key} = "{si}" or what it is'
-                if key == of:
-                    way = f'leave it out, field.{key} = "none"'
-                elif of == "pressure":
-                    way += '; of a pressure over density, "820 Pa" with 820 kg/m3'
-                msg = f"field.{key}: the file's {of} {error}: {way}"
-                raise ConfigError(msg) from error
-            written = ""
     if asked:
-        try:
-            wanted = _scale(asked, si)
-        except ConfigError as error:
-            msg = f'field.{key} = "{legible(asked)}" {error}'
-            raise ConfigError(msg) from error
-        if written and not np.allclose(wanted, (factor, offset), rtol=1e-9, atol=0):
-            msg = (
-                f'field.{key} = "{legible(asked)}": the file has its {of} in '
-                f'"{legible(written)}"; leave the key away'
-            )
-            raise ConfigError(msg)
-        return Scale(*wanted, asked)
+        return _asked(key, of, si, written, asked)
     if written:
-        return Scale(factor, offset, written)
+        try:
+            return Scale(*_scale(written, si), written)
+        except ConfigError as error:
+            way = f'say field.{key} = "{si}" or what it is'
+            if key == of:
+                way = f'leave it out, field.{key} = "none"'
+            elif of == "pressure":
+                way += '; of a pressure over density, "820 Pa" with 820 kg/m3'
+            msg = f"field.{key}: the file's {of} {error}: {way}"
+            raise ConfigError(msg) from error
     if names_units:
         msg = (
             f"field.{key}: the file names no unit of its {of}, as its format does otherwise: say "
@@ -319,6 +302,26 @@ def _decided(key: str, of: str, si: str, written: str, asked: str, *, names_unit
         )
         raise ConfigError(msg)
     return Scale(1.0, 0.0, si, is_assumed=True)
+
+
+def _asked(key: str, of: str, si: str, written: str, asked: str) -> Scale:
+    """Return the scale of a unit that a study asks for; what contradicts the file is refused."""
+    try:
+        wanted = _scale(asked, si)
+    except ConfigError as error:
+        msg = f'field.{key} = "{legible(asked)}" {error}'
+        raise ConfigError(msg) from error
+    try:
+        in_file = _scale(written, si) if written else wanted
+    except ConfigError:
+        in_file = wanted  # a unit of another kind, which the study's is there to replace
+    if not np.allclose(wanted, in_file, rtol=1e-9, atol=0):
+        msg = (
+            f'field.{key} = "{legible(asked)}": the file has its {of} in "{legible(written)}"; '
+            "leave the key away"
+        )
+        raise ConfigError(msg)
+    return Scale(*wanted, asked)
 
 
 def length_scale(contents: Contents, wanted: FieldMap) -> Scale:
@@ -336,8 +339,8 @@ def length_scale(contents: Contents, wanted: FieldMap) -> Scale:
 def role_scale(contents: Contents, wanted: FieldMap, role: str, names: str) -> Scale:
     """Return how the values taken for a role become SI.
 
-    A gradient whose unit nobody names is in the velocity's over the length's: None of it is known
-    here, its factor is 1.
+    A gradient whose unit nobody names is in the velocity's over the length's: that is not known
+    here, and its factor is 1.
     """
     parts: Sequence[str] = [names] if names in contents.arrays else names.split(",")
     units = {contents.units.get(part.strip(), "") for part in parts}

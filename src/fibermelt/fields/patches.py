@@ -26,7 +26,7 @@ def own_axes(away: Array, count: Array) -> Array:
 
 
 def padded(pattern: csr_array, fill: Index) -> tuple[Index, NDArray[np.bool_]]:
-    """Return the columns of each row of a pattern (b, k), ``fill`` after them, and which are its."""
+    """Return the columns of each row of a pattern, ``fill`` after them, and which are own."""
     length = np.diff(pattern.indptr)
     is_own = np.arange(length.max(initial=1)) < length[:, None]
     around = np.repeat(fill[:, None], is_own.shape[1], axis=1)

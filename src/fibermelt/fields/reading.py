@@ -1,4 +1,4 @@
-"""From a file of another solver to a `Field`: units, geometry, what is no flow left out, gradients."""
+"""From a file of another solver to a `Field`: units, geometry, gradients, and what is left out."""
 
 from __future__ import annotations
 
@@ -165,7 +165,8 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
         # one at a time: what one lacks does not hide the others
         others = {other: "none" for other in ROLES if other not in {role, "velocity"}}
         try:
-            found, told = taken_for(contents, replace(wanted, **others), width)
+            alone = FieldMap(**{**vars(wanted), **others})
+            found, told = taken_for(contents, alone, width)
         except ConfigError as error:
             if role == "velocity":
                 notes.append(str(error))
@@ -245,7 +246,7 @@ def _axis(contents: Contents, wanted: FieldMap) -> str:
         raise ConfigError(msg)
     axis = contents.axis if not wanted.axis else wanted.axis.replace("none", "")
     if axis and contents.points.shape[1] == 3:
-        msg = f'field.axis = "{axis}": the field is spatial, only a plane can be turned; leave it away'
+        msg = f'field.axis = "{axis}": the field is spatial, only a plane is turned; leave it away'
         raise ConfigError(msg)
     return axis
 
@@ -362,7 +363,7 @@ def _in_si(contents: Contents, wanted: FieldMap, notes: list[str]) -> _Raw:
 
 def _whole(path: Path, raw: _Raw, cells: Index | None, notes: list[str]) -> _Raw:
     """Return the flow on cells with an area or volume and numbers at every corner."""
-    known = np.isfinite(raw.points).all(axis=1) & np.isfinite(raw.velocity).all(axis=1)
+    known = np.all(np.isfinite(np.hstack([raw.points, raw.velocity])), axis=1)
     for values in raw.scalars.values():
         known &= np.isfinite(values)
     if raw.gradient is not None:
@@ -577,7 +578,7 @@ def _from_file(given: Array, slope: Array, notes: list[str]) -> tuple[Array, Arr
     if np.median(straight) > TURNED * size:
         notes.append(
             f"the file's gradient differs from that of its velocities by "
-            f"{float(np.median(straight)):.3g} 1/s in the median, of {size:.3g}: check its unit, or "
-            'say field.gradient = "none"'
+            f"{float(np.median(straight)):.3g} 1/s in the median, of {size:.3g}: check its unit, "
+            'or say field.gradient = "none"'
         )
     return given, straight

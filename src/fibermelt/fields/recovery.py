@@ -98,7 +98,8 @@ def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Ar
         ``d u_i / d x_j`` [1/s].
     error : (n,) array
         Estimated error in Frobenius's norm [1/s]: what the cubic differs from the quadratic. Where
-        the mesh has too few nodes for a cubic, a plane is fitted and the whole gradient is in doubt.
+        the mesh has too few nodes for a cubic, a plane is fitted, and all of the gradient is in
+        doubt.
     """
     n, d = points.shape
     coefficients = 9 if d == 2 else 19

@@ -8,7 +8,7 @@ Reference: Dompierre et al. 1999, How to subdivide pyramids, prisms and hexahedr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,20 @@ __all__ = ["CORNERS", "split_cells", "split_polygons", "split_polyhedra"]
 Index = NDArray[np.int64]
 
 TETRA, VOXEL, HEXAHEDRON, WEDGE, PYRAMID = 10, 11, 12, 13, 14
-TRIANGLE, PIXEL, QUAD = 5, 8, 9
+TRIANGLE, POLYGON, PIXEL, QUAD = 5, 7, 8, 9
 QUADRATIC_TRIANGLE, QUADRATIC_QUAD, QUADRATIC_TETRA = 22, 23, 24
 BIQUADRATIC_QUAD, TRIQUADRATIC_HEXAHEDRON = 28, 29
 LAGRANGE_TRIANGLE, LAGRANGE_QUAD, LAGRANGE_TETRA = 69, 70, 71
 
 FACES: dict[int, tuple[tuple[int, ...], ...]] = {
-    HEXAHEDRON: ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)),
+    HEXAHEDRON: (
+        (0, 4, 7, 3),
+        (1, 2, 6, 5),
+        (0, 1, 5, 4),
+        (3, 7, 6, 2),
+        (0, 3, 2, 1),
+        (4, 5, 6, 7),
+    ),
     WEDGE: ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
     PYRAMID: ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)),
 }
@@ -42,10 +49,18 @@ QUAD_PARTS = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
 """Of a quadrilateral with nodes on its edges 01, 12, 23, 30 and in its middle."""
 
 CORNERS = {
-    **{25: HEXAHEDRON, 33: HEXAHEDRON, 72: HEXAHEDRON, 68 + 11: HEXAHEDRON},
-    **{26: WEDGE, 32: WEDGE, 31: WEDGE, 73: WEDGE},
-    **{27: PYRAMID, 37: PYRAMID, 74: PYRAMID},
-    **{LAGRANGE_QUAD: QUAD, LAGRANGE_TETRA: TETRA},
+    25: HEXAHEDRON,
+    33: HEXAHEDRON,
+    72: HEXAHEDRON,
+    26: WEDGE,
+    32: WEDGE,
+    31: WEDGE,
+    73: WEDGE,
+    27: PYRAMID,
+    37: PYRAMID,
+    74: PYRAMID,
+    LAGRANGE_QUAD: QUAD,
+    LAGRANGE_TETRA: TETRA,
 }
 """Cells of higher order of which the corners are read, and what they are then."""
 
@@ -73,7 +88,7 @@ def _cube_parts() -> Index:
 
 def _fans(corners: Index) -> Index:
     """Return the triangles of polygons (m, k), k - 2 each, from each one's lowest node."""
-    m, k = corners.shape
+    k = corners.shape[1]
     turn = (corners.argmin(axis=1)[:, None] + np.arange(k)) % k
     ring = np.take_along_axis(corners, turn, axis=1)
     parts = np.array([(0, i, i + 1) for i in range(1, k - 1)])
@@ -107,7 +122,7 @@ def split_polygons(polygons: Sequence[Index]) -> Index:
     found = [np.empty((0, 3), dtype=np.int64)]
     for size in np.unique(sizes[sizes > 2]):
         rows = np.flatnonzero(sizes == size)
-        found.append(_fans(np.array([polygons[row] for row in rows])))
+        found.append(_fans(np.array([polygons[int(row)] for row in rows])))
     return _whole(np.concatenate(found))
 
 
@@ -146,31 +161,40 @@ def split_cells(kind: int, nodes: Index) -> Index | None:
         Nodes of each cell, in VTK's order.
     """
     count = nodes.shape[1]
-    if kind == LAGRANGE_TETRA and count == 10:
-        kind = QUADRATIC_TETRA
-    if kind == LAGRANGE_QUAD and count == 9:
-        kind = BIQUADRATIC_QUAD
+    kind = {(LAGRANGE_TETRA, 10): QUADRATIC_TETRA, (LAGRANGE_QUAD, 9): BIQUADRATIC_QUAD}.get(
+        (kind, count), kind
+    )
     if kind in CORNERS:
         kind = CORNERS[kind]
         nodes = nodes[:, : COUNT[kind]]
-    if kind in {TRIANGLE, TETRA}:
-        return _whole(nodes)
     if kind in {QUADRATIC_TRIANGLE, LAGRANGE_TRIANGLE}:
         order = 2 if kind == QUADRATIC_TRIANGLE else round((np.sqrt(8 * count + 1) - 3) / 2)
         return _whole(nodes[:, LagrangeTriangle(order).split()].reshape(-1, 3))
-    if kind in {QUAD, PIXEL}:
-        return _whole(_fans(nodes if kind == QUAD else nodes[:, [0, 1, 3, 2]]))
-    if kind == QUADRATIC_QUAD:
-        ears = nodes[:, [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7]]].reshape(-1, 3)
-        return _whole(np.concatenate([ears, _fans(nodes[:, [4, 5, 6, 7]])]))
-    if kind == BIQUADRATIC_QUAD:
-        return _whole(_fans(nodes[:, QUAD_PARTS].reshape(-1, 4)))
-    if kind == QUADRATIC_TETRA:
-        return _whole(nodes[:, TETRA_PARTS].reshape(-1, 4))
-    if kind == TRIQUADRATIC_HEXAHEDRON:
-        return _whole(_cones(nodes[:, _cube_parts()].reshape(-1, 8), FACES[HEXAHEDRON]))
-    if kind == VOXEL:
-        nodes, kind = nodes[:, [0, 1, 3, 2, 4, 5, 7, 6]], HEXAHEDRON
-    if kind in FACES:
-        return _whole(_cones(nodes, FACES[kind]))
-    return None
+    parts = _PARTS.get(kind)
+    return None if parts is None else _whole(parts(nodes))
+
+
+def _quadratic_quads(nodes: Index) -> Index:
+    """Return the triangles of quadrilaterals with nodes on their edges: corners, and the middle."""
+    corners = nodes[:, [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7]]].reshape(-1, 3)
+    return np.concatenate([corners, _fans(nodes[:, [4, 5, 6, 7]])])
+
+
+_PARTS: dict[int, Callable[[Index], Index]] = {
+    TRIANGLE: lambda nodes: nodes,
+    TETRA: lambda nodes: nodes,
+    POLYGON: _fans,
+    QUAD: _fans,
+    PIXEL: lambda nodes: _fans(nodes[:, [0, 1, 3, 2]]),
+    QUADRATIC_QUAD: _quadratic_quads,
+    BIQUADRATIC_QUAD: lambda nodes: _fans(nodes[:, QUAD_PARTS].reshape(-1, 4)),
+    QUADRATIC_TETRA: lambda nodes: nodes[:, TETRA_PARTS].reshape(-1, 4),
+    PYRAMID: lambda nodes: _cones(nodes, FACES[PYRAMID]),
+    WEDGE: lambda nodes: _cones(nodes, FACES[WEDGE]),
+    HEXAHEDRON: lambda nodes: _cones(nodes, FACES[HEXAHEDRON]),
+    VOXEL: lambda nodes: _cones(nodes[:, [0, 1, 3, 2, 4, 5, 7, 6]], FACES[HEXAHEDRON]),
+    TRIQUADRATIC_HEXAHEDRON: lambda nodes: _cones(
+        nodes[:, _cube_parts()].reshape(-1, 8), FACES[HEXAHEDRON]
+    ),
+}
+"""How cells of each type are cut."""

@@ -29,6 +29,9 @@ FIBERS = {
 }
 """What stands for the fibers, in words."""
 
+SOURCES = {"field": "another solver’s field", "histories": "a table"}
+"""Where paths come from that were not traced through a flow of ours."""
+
 PARTS = {
     "interaction": "from fiber content to the size of the cell",
     "orbits": "one fiber in simple shear",
@@ -73,6 +76,12 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
     if "flow" not in summary:
         return f"No bead: {', '.join(PARTS.get(part, part) for part in parts)}."
     length, count = 2e6 * values["fiber.half_length"], len(summary["streamlines"])
+    if "bead_height" not in summary["flow"]:
+        return (
+            f"{count} path{'' if count == 1 else 's'} of {SOURCES[values['flow.source']]}; melt of "
+            f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect ratio "
+            f"{short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]})."
+        )
     return (
         f"A bead {number(MM * summary['flow']['bead_height'], 3)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
@@ -84,8 +93,10 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
 
 
 def _width(results: xr.Dataset) -> float:
-    """Return the capillary's width [m]."""
-    return float(parameters(results)["flow.capillary_width"])
+    """Return the capillary's width [m], negative where there is none: the extent of the paths."""
+    if "zone_time" in results:
+        return float(parameters(results)["flow.capillary_width"])
+    return -max(float(np.ptp(results[name].to_numpy())) for name in "xy")
 
 
 def _viscosity(values: Mapping[str, Any]) -> str:
@@ -169,6 +180,9 @@ def _risk(found: Mapping[str, Any]) -> str:
 
 def _place(x: float, y: float, width: float) -> str:
     """Return a place in words [m]; the capillary's width tells with how many digits."""
+    if width < 0.0:
+        across, up = (sized(MM * value, -MM * width) for value in (x, y))
+        return f"at x = {across} mm, y = {up} mm"
     side = "downstream" if x >= 0 else "upstream"
     return (
         f"{sized(MM * abs(x), MM * width)} mm {side} of the nozzle’s axis and "
@@ -177,6 +191,11 @@ def _place(x: float, y: float, width: float) -> str:
 
 
 def _where(found: Mapping[str, Any], worst: Mapping[str, Any], width: float) -> str:
+    if width < 0.0:
+        return (
+            f"The lowest pressure is met {_place(worst['x'], worst['y'], width)}, on path "
+            f"{worst['index']}."
+        )
     told = (
         f"The lowest pressure is met {_place(worst['x'], worst['y'], width)}, on streamline "
         f"{worst['index']}, which ends {sized(MM * worst['height'], MM * width)} mm up in the bead"

@@ -80,7 +80,7 @@ def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None)
         Figures of these very results that were drawn before, by file name; the others are drawn.
         They are what drawing gives, so the answer is the same with and without them.
     """
-    plates = [plate for plate in FIGURES if plate.needs in results]
+    plates = [plate for plate in FIGURES if plate.is_of(results)]
     names = [f"{plate.name}{suffix}" for plate in plates for suffix in (".svg", ".png")]
     files = dict(drawn or {})
     if not files.keys() >= set(names):

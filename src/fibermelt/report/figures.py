@@ -20,6 +20,14 @@ from fibermelt.report.interaction import INTERACTION_FIGURES
 from fibermelt.report.melt import figure_melt, melt_words
 from fibermelt.report.orientation import ORIENTATION_FIGURES
 from fibermelt.report.overview import figure_overview, overview_words
+from fibermelt.report.paths import (
+    figure_path_extremes,
+    figure_path_histories,
+    figure_paths,
+    path_extremes_words,
+    path_histories_words,
+    paths_words,
+)
 from fibermelt.report.plates import Plate, draw_plates
 from fibermelt.report.positions import figure_positions, positions_words
 from fibermelt.report.profiles import figure_profiles, profiles_words
@@ -34,24 +42,49 @@ if TYPE_CHECKING:
 __all__ = ["FIGURES", "draw_figures"]
 
 
+SOLVED = "extreme node_x"
+"""What only the results of a deposition flow that was solved have."""
+
+ZONED = "extreme zone_time"
+"""What only those of a flow with a nozzle have."""
+
+GIVEN = "extreme field_notes"
+"""What only those of a flow from elsewhere have."""
+
 FIGURES = (
-    Plate("overview", "The bead at a glance", figure_overview, overview_words),
+    Plate("overview", "The bead at a glance", figure_overview, overview_words, needs=SOLVED),
     Plate("melt", "The melt", figure_melt, melt_words, needs="law_rate"),
-    Plate("domain", "Fluid domain and mesh", figure_domain, domain_words, paper="Fig. 2a"),
-    Plate("streamlines", "Streamlines", figure_streamlines, streamlines_words, paper="Fig. 2b"),
+    Plate(
+        "domain",
+        "Fluid domain and mesh",
+        figure_domain,
+        domain_words,
+        needs=SOLVED,
+        paper="Fig. 2a",
+    ),
+    Plate(
+        "streamlines",
+        "Streamlines",
+        figure_streamlines,
+        streamlines_words,
+        needs=SOLVED,
+        paper="Fig. 2b",
+    ),
     Plate(
         "along",
         "Speed and deformation along streamlines",
         figure_along,
         along_words,
+        needs=SOLVED,
         paper="Fig. 3",
     ),
-    Plate("maps", "Speed, rate of deformation and pressure", figure_maps, maps_words),
+    Plate("maps", "Speed, rate of deformation and pressure", figure_maps, maps_words, needs=SOLVED),
     Plate(
         "gradients",
         "Velocity gradient near the exit",
         figure_gradients,
         gradients_words,
+        needs=SOLVED,
         paper="Fig. 4",
     ),
     Plate("cell", "The fiber's cell", figure_cell, cell_words, paper="Fig. 5a and 6a"),
@@ -64,6 +97,7 @@ FIGURES = (
         "Pressure on a fiber along a streamline",
         figure_history,
         history_words,
+        needs=ZONED,
         paper="Fig. 16",
     ),
     Plate(
@@ -71,6 +105,7 @@ FIGURES = (
         "Pressure and orientation over time",
         figure_profiles,
         profiles_words,
+        needs=ZONED,
         paper="Fig. 17",
     ),
     Plate(
@@ -78,6 +113,7 @@ FIGURES = (
         "Extremes of pressure by streamline",
         figure_extremes,
         extremes_words,
+        needs=ZONED,
         paper="Fig. 18",
     ),
     Plate(
@@ -85,6 +121,7 @@ FIGURES = (
         "Where the extremes lie",
         figure_positions,
         positions_words,
+        needs=SOLVED,
         paper="Fig. 19",
     ),
     Plate(
@@ -92,10 +129,28 @@ FIGURES = (
         "Orientation at the zones",
         figure_alignment,
         alignment_words,
+        needs=ZONED,
         paper="Fig. 20",
     ),
     *ORIENTATION_FIGURES,
-    Plate("voids", "Where voids can start", figure_voids, voids_words, needs="void_margin"),
+    Plate(
+        "voids", "Where voids can start", figure_voids, voids_words, needs=f"void_margin {SOLVED}"
+    ),
+    Plate("paths", "The paths", figure_paths, paths_words, needs=GIVEN),
+    Plate(
+        "path-histories",
+        "Pressure on fibers along paths",
+        figure_path_histories,
+        path_histories_words,
+        needs=GIVEN,
+    ),
+    Plate(
+        "path-extremes",
+        "Extremes of pressure by path",
+        figure_path_extremes,
+        path_extremes_words,
+        needs=GIVEN,
+    ),
 )
 """The figures in the order of a report."""
 
@@ -110,5 +165,5 @@ def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
     directory : Path
         An existing folder.
     """
-    there = (plate for plate in FIGURES if plate.needs in results)
+    there = (plate for plate in FIGURES if plate.is_of(results))
     return draw_plates(there, results, directory)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["NEEDS", "bead_data"]
 
-NEEDS = "angle"
+NEEDS = "zone_angle"
 """A variable that only results of fibers in the bead have."""
 
 LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi

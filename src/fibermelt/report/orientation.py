@@ -230,13 +230,19 @@ def _closures(axes: Axes, results: xr.Dataset) -> None:
 
 
 ORIENTATION_FIGURES = (
-    Plate("orientation", "Orientation across the bead", figure_across, across_words, TENSOR),
+    Plate(
+        "orientation",
+        "Orientation across the bead",
+        figure_across,
+        across_words,
+        f"{TENSOR} node_x",
+    ),
     Plate(
         "orientation-history",
         "Orientation along streamlines",
         figure_tensor_history,
         history_words,
-        TENSOR,
+        f"{TENSOR} zone_time",
     ),
 )
 """What is drawn of the stage "orientation"."""

@@ -32,7 +32,7 @@ class Plate:
     words : callable
         From the results to caption and alternative text.
     needs : str
-        A variable that only the results of its part of a study have.
+        Variables that only the results of its part of a study have, with blanks between.
     paper : str
         Which figure of the paper it stands for, such as ``Fig. 16``; empty if for none.
     """
@@ -43,6 +43,10 @@ class Plate:
     words: Callable[[xr.Dataset], Words]
     needs: str = "extreme"
     paper: str = ""
+
+    def is_of(self, results: xr.Dataset) -> bool:
+        """Tell whether results are enough for it."""
+        return all(name in results for name in self.needs.split())
 
 
 def draw_plates(plates: Iterable[Plate], results: xr.Dataset, directory: Path) -> list[Path]:

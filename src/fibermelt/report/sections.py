@@ -64,8 +64,8 @@ class Section:
 SECTIONS = (
     Section(
         "flow",
-        "The deposition flow",
-        figures=("melt", "domain", "streamlines", "along", "maps", "gradients"),
+        "The flow",
+        figures=("paths", "melt", "domain", "streamlines", "along", "maps", "gradients"),
     ),
     Section(
         "shear",
@@ -92,7 +92,15 @@ SECTIONS = (
     Section(
         "fibers",
         "Fibers along the streamlines",
-        figures=("history", "profiles", "extremes", "positions", "alignment"),
+        figures=(
+            "history",
+            "profiles",
+            "extremes",
+            "positions",
+            "alignment",
+            "path-histories",
+            "path-extremes",
+        ),
     ),
     Section(
         "two-and-three",

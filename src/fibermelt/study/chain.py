@@ -16,6 +16,7 @@ from fibermelt.study.bead.flow import (
     streamlines_stage,
     write_fields,
 )
+from fibermelt.study.bead.imported import field_stage
 from fibermelt.study.bead.response import response_estimates, response_stage
 from fibermelt.study.bead.summary import bead_in_words, summarize_bead
 from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
@@ -71,7 +72,7 @@ _FIBER_PARAMETERS = (
 )
 _CELL_PARAMETERS = (*_FIBER_PARAMETERS, "numerics.cell_mesh", "numerics.cell_order")
 _RESPONSE_PARAMETERS = (*_FIBER_PARAMETERS, LAW, "numerics.thinning_order")
-_STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points")
+_STREAMLINE_PARAMETERS = ("flow", LAW, "streamlines.count", "streamlines.points", "paths")
 _MOTION_PARAMETERS = (
     *_CELL_PARAMETERS,
     LAW,
@@ -111,6 +112,13 @@ def _thinning(values: Mapping[str, Value]) -> tuple[str, ...]:
     return ("response",) if thins_at_fibers(values) else ()
 
 
+def _flow_of(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return where the paths lead through: the deposition flow, a field, or nothing."""
+    return {"deposition": ("flow",), "field": ("field",), "histories": ()}[
+        str(values["flow.source"])
+    ]
+
+
 def _always(values: Mapping[str, Value]) -> bool:
     """Tell that a stage costs less than to store it: milliseconds, or megabytes."""
     return True
@@ -133,13 +141,15 @@ CHAIN = Chain(
             but_for_scale=flow_but_for_scale,
             estimates=flow_estimates,
         ),
+        Stage("field", 1, ("field",), (), field_stage),
         Stage(
             "streamlines",
-            3,
+            4,
             _STREAMLINE_PARAMETERS,
-            ("flow",),
+            (),
             streamlines_stage,
             told_with="flow",
+            inputs_if=_flow_of,
             estimates=streamline_estimates,
         ),
         Stage("stall", 2, ("fiber.aspect_ratio",), (), stall_stage, estimates=stall_estimates),
@@ -165,7 +175,7 @@ CHAIN = Chain(
         ),
         Stage(
             "motion",
-            2,
+            3,
             _MOTION_PARAMETERS,
             ("streamlines", "cell"),
             motion_stage,

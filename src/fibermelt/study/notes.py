@@ -24,6 +24,8 @@ def study_notes(config: Config) -> list[str]:
 def _long_fiber(config: Config) -> list[str]:
     """Tell of a fiber that is no longer small beside the capillary, the gap or the bead."""
     flow, length = config.flow, 2 * config.fiber.half_length
+    if flow.source != "deposition":
+        return []
     across = {
         "the capillary (flow.capillary_width)": flow.capillary_width,
         "the gap (flow.gap)": flow.gap,

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError, legible_path
+from fibermelt.errors import ConfigError, legible, legible_path
 from fibermelt.fields.contents import Contents, Reader
 from fibermelt.fields.readers.tables import numbers, refuse_short, split_unit, text_of
 from fibermelt.fields.splitting import split_polygons
@@ -86,7 +86,7 @@ def _faces(path: Path, lines: list[str], first: int, count: int) -> list[NDArray
         try:
             face = np.array(line.replace(",", " ").split(), dtype=np.int64)
         except ValueError as error:
-            msg = f"field.file = {legible_path(path)}: line {number} is no face: {line.strip()[:40]}"
+            msg = f"field.file = {legible_path(path)}: line {number} is no face: {legible(line)}"
             raise ConfigError(msg) from error
         if face.size < 3 or face.min() < 0 or face.max() >= count:
             refuse_short(path, "points", count, int(face.max(initial=0)) + 1)

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 HEADER = re.compile(r"%\s*([A-Z][A-Za-z ]*):\s*(.*?)\s*")
 AT_TIME = re.compile(r"(.*?)\s*@\s*(?:\d+:\s*)?t\s*=\s*([-+.\deE]+).*")
+ELEMENTS = re.compile(r"Elements(?:\s*\(.*\))?")
 DATA = re.compile(r"%\s*Data\s*\((.*)\)\s*")
 COORDINATE_NAMES = ("x", "y", "z", "r", "X", "Y", "Z", "R")
 
@@ -133,7 +134,7 @@ def _read_sectionwise(path: Path, time_step: float | None) -> Contents:
         if title == "Coordinates":
             width = _count(header, "Dimension") or len(_first(body))
             points = numbers(path, body, width, start + 2)
-        elif title.startswith("Elements"):
+        elif ELEMENTS.fullmatch(title):
             corners = len(_first(body))
             if corners not in {3, 4} or corners != points.shape[1] + 1:
                 msg = (
@@ -148,13 +149,11 @@ def _read_sectionwise(path: Path, time_step: float | None) -> Contents:
             column = numbers(path, body, 1, start + 2)[:, 0]
             refuse_short(path, f"values of {headings[-1]}", len(column), len(points))
             values.append(column)
-    for what, found in (("Nodes", points), ("Elements", cells)):
+    counts = {"Nodes": len(points), "Expressions": len(values)}
+    counts["Elements"] = 0 if cells is None else len(cells)
+    for what, count in counts.items():
         expected = _count(header, what)
-        if expected is not None:
-            refuse_short(path, what.lower(), 0 if found is None else len(found), expected)
-    expected = _count(header, "Expressions")
-    if expected is not None:
-        refuse_short(path, "expressions", len(values), expected)
+        refuse_short(path, what.lower(), count, count if expected is None else expected)
     if cells is not None and len(cells):
         cells = cells - (1 if cells.min() >= 1 else 0)
         if cells.max() >= len(points):

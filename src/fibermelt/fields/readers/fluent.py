@@ -40,10 +40,12 @@ def _read(path: Path, time_step: float | None) -> Contents:
             "of all nodes from Fluent (File, Export, Solution Data, ASCII)"
         )
         raise ConfigError(msg)
+    # coordinates that were asked for as variables, too, come a second time
+    again = tuple(f"{axis} (" for axis in axes)
     arrays = {
         name: values
         for name, values in columns.items()
-        if name not in (names[0], *axes) and not name.startswith(tuple(f"{axis} (" for axis in axes))
+        if name not in {names[0], *axes} and not name.startswith(again)
     }
     notes = (
         ("values stand at the centres of cells: what lies beyond the outermost is left out",)

@@ -15,6 +15,9 @@ __all__ = ["numbers", "refuse_short", "split_unit", "text_of", "unique_names"]
 
 Array = NDArray[np.float64]
 
+UNIT = re.compile(r"\s*(.*?)\s*(?:\[([^\]]*)\]|\(([^()]*(?:\([^()]*\)[^()]*)*)\))\s*")
+"""A name and a unit in brackets or parentheses, which may have parentheses inside."""
+
 MISSING = re.compile(r"(?i)\b(?:null|n/a|undefined)\b")
 """What solvers write where they know no value; NaN once read."""
 
@@ -102,7 +105,7 @@ def refuse_short(path: Path, what: str, found: int, expected: int) -> None:
 
 def split_unit(heading: str) -> tuple[str, str]:
     """Return name and unit of a heading: ``u (m/s)``, ``Velocity u [ m s^-1 ]``, ``p``."""
-    match = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\]]*)\]|\(([^()]*(?:\([^()]*\)[^()]*)*)\))\s*", heading)
+    match = UNIT.fullmatch(heading)
     if match is None or not match.group(1):
         return heading.strip(), ""
     return match.group(1), (match.group(2) or match.group(3) or "").strip()

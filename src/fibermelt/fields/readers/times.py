@@ -32,7 +32,6 @@ def chosen_time(path: Path, times: Sequence[float], named: float | None) -> floa
     shown = ", ".join(f"{time:g}" for time in times[:MOST_TOLD])
     more = f" and {len(times) - MOST_TOLD} more" if len(times) > MOST_TOLD else ""
     msg = (
-        f"field.time_step = {named:g}: {legible_path(path)} has no such time; it has "
-        f"{shown}{more}"
+        f"field.time_step = {named:g}: {legible_path(path)} has no such time; it has {shown}{more}"
     )
     raise ConfigError(msg)

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.study.bead.imported import along_paths, paths_of
 from fibermelt.study.melt import LAW, law_of, thins
 from fibermelt.study.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.study.variables import labelled
@@ -98,6 +99,7 @@ def _problem(parameters: Parameters) -> Deposition:
     from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
 
     flow = parameters.section("flow")
+    flow.pop("source")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
     return Deposition(nozzle=Nozzle(**flow), melt=cast("Any", law_of(parameters)), **speeds)
 
@@ -241,8 +243,11 @@ def _solution(parameters: Parameters, flow: xr.Dataset) -> FlowSolution:
 
 
 def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Trace the streamlines of equal flux."""
+    """Trace the streamlines of equal flux, or return the paths of a flow from elsewhere."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if parameters["flow.source"] != "deposition":
+        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters)))
 
     from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
 
@@ -253,23 +258,12 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
     def stacked(name: str) -> Any:
         return np.stack([np.asarray(getattr(line, name)) for line in lines])
 
-    def along(name: str) -> Any:
-        return np.stack([getattr(line.history, name) for line in lines])
-
-    position, velocity = along("position"), along("velocity")
     return labelled(
         {
+            **along_paths([line.history for line in lines]),
             "streamline": stacked("index"),
             "flux_fraction": stacked("flux_fraction"),
-            "time": along("time"),
-            "x": position[..., 0],
-            "y": position[..., 1],
-            "u": velocity[..., 0],
-            "v": velocity[..., 1],
-            "pressure": along("pressure"),
-            "gradient": along("plane_gradient"),
-            "shear_rate": along("shear_rate"),
-            "viscosity": along("viscosity"),
+            "path_end": ["outlet"] * len(lines),
             "stream_function": stacked("stream_function"),
             "gradient_error": stacked("gradient_error"),
             "stream_function_drift": stacked("drift"),
@@ -299,12 +293,17 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
+    if "gradient_error" not in lines:
+        return ()
     regular = lines["near_singularity"].to_numpy() == 0
     error, rate = (
         np.median(lines[name].to_numpy()[regular], axis=-1)
         for name in ("gradient_error", "shear_rate")
     )
     share = float(np.max(error / rate, initial=0.0))
+    if parameters["flow.source"] != "deposition":
+        cure = "take a file on a finer mesh, or one that has the gradient (field.gradient)"
+        return (Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, cure),)
     drift = float(lines["stream_function_drift"].max())
     return (
         Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, FINER),
@@ -313,7 +312,9 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
 
 
 def write_fields(results: xr.Dataset, folder: Path) -> None:
-    """Write the flow for ParaView."""
+    """Write the flow for ParaView; one that was given is there already."""
+    if "cell_nodes" not in results:
+        return
     from fibermelt.flow.vtu import write_vtu  # noqa: PLC0415  lazy: see the module
 
     write_vtu(_field(results), folder / "flow.vtu")

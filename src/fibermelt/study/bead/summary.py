@@ -25,6 +25,21 @@ FLOW_NUMBERS = (
 FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
 
 
+PLACES = {0: "on the way   ", 1: "in the nozzle", 2: "below it      "}
+"""The locations of extremes, in words."""
+
+ENDS = {
+    "outlet": "leave the flow",
+    "wall": "end at a wall",
+    "stagnation": "end where the melt stands",
+    "time": "end as their time is over",
+    "file": "as they were given",
+}
+"""Why paths end, in words."""
+
+MOST_NOTES = 4
+"""Faults of paths that the words tell: more are in the summary."""
+
 MOST_NAMED = 12
 """Streamlines that the words list by their numbers: more do not fit on a line."""
 
@@ -40,7 +55,9 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``flow``, ``streamlines``, ``cell``, ``extremes`` and ``orientation``. Extremes
+        ``flow``, ``paths``, ``streamlines``, ``cell``, ``extremes`` and ``orientation``. A flow
+        that was not solved here has paths and what its melt goes through, and no nozzle's numbers.
+        Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
@@ -50,11 +67,12 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
-    flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS}
-    flow |= {name: int(results[name]) for name in FLOW_COUNTS}
+    flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS if name in results}
+    flow |= {name: int(results[name]) for name in FLOW_COUNTS if name in results}
     flow |= melt_met(results)
     return {
         "flow": flow,
+        "paths": _paths(results),
         "streamlines": _streamlines(results),
         "cell": _cell(results),
         "extremes": _extremes(results),
@@ -89,12 +107,46 @@ def _outside(results: xr.Dataset, slowest: float, fastest: float) -> float:
     return float(np.mean(spent.sum(axis=-1) / (time[:, -1] - time[:, 0])))
 
 
+def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
+    """Return how each path goes, and how far it can be trusted.
+
+    The gradient's error is the median along the path over the median rate; the divergence what was
+    taken out of the gradient, None where nothing was; the consistency what ``dx/dt = u`` or
+    ``du/dt = L u`` misses.
+    """
+    import numpy as np  # noqa: PLC0415  as in _extremes
+
+    time, rate = (
+        results[name].transpose("streamline", "point").to_numpy() for name in ("time", "shear_rate")
+    )
+    error: list[float | None] = [None] * len(time)
+    if "gradient_error" in results:
+        median = np.median(results["gradient_error"].transpose("streamline", "point"), axis=-1)
+        error = (median / np.median(rate, axis=-1)).tolist()
+    trace: list[float | None] = [None] * len(time)
+    if "path_divergence" in results:
+        trace = results["path_divergence"].to_numpy().tolist()
+    return [
+        {
+            "index": int(results["streamline"][k]),
+            "transit_time": float(time[k, -1] - time[k, 0]),
+            "gradient_error": error[k],
+            "divergence": trace[k],
+            "consistency": float(results["path_consistency"][k]),
+            "end": str(results["path_end"][k].item()),
+            "told": [note for note in str(results["path_notes"][k].item()).split("; ") if note],
+        }
+        for k in range(len(time))
+    ]
+
+
 def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
+    drift = "stream_function_drift"
     return [
         {
             "index": int(results["streamline"][k]),
             "transit_time": float(results["time"][k, -1]),
-            "stream_function_drift": float(results["stream_function_drift"][k]),
+            **({drift: float(results[drift][k])} if drift in results else {}),
             "near_singularity": bool(results["near_singularity"][k]),
         }
         for k in range(results.sizes["streamline"])
@@ -152,6 +204,8 @@ def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:
     values, x, y = (
         results[name].transpose(*dims).to_numpy() for name in ("extreme", "extreme_x", "extreme_y")
     )
+    error = results["extreme_error"].transpose(*dims).to_numpy()
+    z = results["extreme_z"].transpose(*dims).to_numpy() if "extreme_z" in results else None
     bounds = results["extreme_bounds"].transpose(*dims[:3], "side").to_numpy()
     quantiles = results["extreme_quantiles"].transpose(*dims[:3], "quantile").to_numpy()
     labels = [results[name].to_numpy() for name in dims[:3]]
@@ -166,6 +220,8 @@ def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:
             "highest": float(values[at].max()),
             "x": float(x[at].mean()),
             "y": float(y[at].mean()),
+            **({} if z is None else {"z": float(z[at].mean())}),
+            "error": float(error[at].max()),
             "bounds": bounds[at].tolist(),
             "quantiles": quantiles[at].tolist(),
         }
@@ -174,6 +230,12 @@ def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _orientation(results: xr.Dataset) -> list[dict[str, Any]]:
+    if "zone_angle" not in results:
+        return []
+    return _at_zones(results)
+
+
+def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
     """Return the spread of the fibers' directions at each zone.
 
     A fiber has no head: its angle is known up to half turns. Each is taken within a quarter
@@ -209,17 +271,13 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
     motion = "tumbles" if stall is None else f"stalls at {math.degrees(stall):.2f} deg"
     # Adding zero takes the sign off a circle's, which is zero but for rounding.
     factor = round(cell["shape_factor"], 4) + 0.0
-    height, contact = (flow[name] * 1e3 for name in ("bead_height", "contact_point"))
-    inlet = flow["inlet_pressure"] / 1e6
     lines = [
-        f"bead height     {rounded(height, height, 4)} mm",
-        f"inlet pressure  {rounded(inlet, inlet)} MPa",
-        f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
+        *(_bead(flow) if "bead_height" in flow else _given(summary["paths"])),
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
         *_in_its_melt(cell),
     ]
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
-    for location, place in ((1, "in the nozzle"), (2, "below it      ")):
+    for location, place in PLACES.items():
         found = [
             extreme
             for extreme in summary["extremes"]
@@ -236,6 +294,27 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
             f"streamline {worst['streamline']}"
         )
     return lines + _left_out(flagged, of=len(summary["streamlines"]))
+
+
+def _bead(flow: Mapping[str, Any]) -> list[str]:
+    """Return the lines on a bead that was solved for."""
+    height, contact = (flow[name] * 1e3 for name in ("bead_height", "contact_point"))
+    inlet = flow["inlet_pressure"] / 1e6
+    return [
+        f"bead height     {rounded(height, height, 4)} mm",
+        f"inlet pressure  {rounded(inlet, inlet)} MPa",
+        f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
+    ]
+
+
+def _given(paths: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the lines on the paths of a flow from elsewhere: where they end, what does not fit."""
+    ends = [path["end"] for path in paths]
+    told = ", ".join(f"{ends.count(end)} {ENDS[end]}" for end in ENDS if end in ends)
+    slowest = max(path["transit_time"] for path in paths)
+    lines = [f"paths           {len(paths)}: {told}; up to {rounded(slowest, slowest)} s"]
+    notes = dict.fromkeys(note for path in paths for note in path["told"])
+    return lines + [f"                {note}" for note in [*notes][:MOST_NOTES]]
 
 
 def _in_its_melt(cell: Mapping[str, Any]) -> list[str]:

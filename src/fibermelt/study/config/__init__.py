@@ -8,11 +8,13 @@ from pydantic import Field, model_validator
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config.fiber import FROM_CONTENT, Fiber
+from fibermelt.study.config.field import ImportedField
 from fibermelt.study.config.flow import Flow, Streamlines
 from fibermelt.study.config.interaction import Interaction
 from fibermelt.study.config.melt import Melt
 from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
+from fibermelt.study.config.paths import Paths
 from fibermelt.study.config.sensitivity import Sensitivity
 from fibermelt.study.config.thinning import Thinning
 from fibermelt.study.melt import melt_of, refuse_incomplete, refuse_unphysical, thins, values_of
@@ -24,10 +26,12 @@ __all__ = [
     "Config",
     "Fiber",
     "Flow",
+    "ImportedField",
     "Interaction",
     "Melt",
     "Numerics",
     "PartName",
+    "Paths",
     "Sensitivity",
     "Streamlines",
     "Thinning",
@@ -40,6 +44,12 @@ WITHOUT_VISCOSITY = frozenset({"interaction", "verification", "claims"})
 """Parts that ask no viscosity of the melt."""
 
 
+USUAL_RATE = 1e3
+"""Rate [1/s] that a flow may have that is not known before its file is read."""
+
+DEPOSITION_PARTS = ("dimensions", "thinning", "claims")
+"""Parts about the paper's bead, its nozzle and its mesh."""
+
 NEWTONIAN_PARTS = ("orbits", "dimensions", "thinning")
 """Parts that begin with a Newtonian melt: the paper's section 2.3, and what thinning changes."""
 
@@ -49,6 +59,8 @@ class Config(Section):
 
     study: What = Field(default_factory=What)
     flow: Flow = Field(default_factory=Flow)
+    field: ImportedField = Field(default_factory=ImportedField)
+    paths: Paths = Field(default_factory=Paths)
     melt: Melt = Field(default_factory=Melt)
     fiber: Fiber = Field(default_factory=Fiber)
     streamlines: Streamlines = Field(default_factory=Streamlines)
@@ -64,12 +76,17 @@ class Config(Section):
         try:
             if not WITHOUT_VISCOSITY.issuperset(self.study.parts):
                 refuse_incomplete(self.melt)
-                refuse_unphysical(self.melt, self._fastest)
+                refuse_unphysical(self.melt, self._fastest if self._is_solved else USUAL_RATE)
             if "voids" in self.study.parts:
                 self._moisture()
         except ConfigError as error:
             raise ValueError(str(error)) from error
         return self
+
+    @property
+    def _is_solved(self) -> bool:
+        """Return whether the flow is the one of `[flow]`."""
+        return self.flow.source == "deposition"
 
     @property
     def _fastest(self) -> float:
@@ -138,8 +155,34 @@ class Config(Section):
             raise ValueError(msg) from error
 
     @model_validator(mode="after")
+    def _sources(self) -> Self:
+        """Refuse a flow without its file, a file without its flow, and what has no answer there."""
+        source, given = self.flow.source, {"field": self.field.file, "histories": self.paths.file}
+        keys = {"field": "field.file", "histories": "paths.file"}
+        for name, file in given.items():
+            if name == source and not file:
+                msg = f'{keys[name]}: missing: flow.source = "{source}" reads the flow from it'
+                raise ValueError(msg)
+            if name != source and file:
+                msg = (
+                    f'{keys[name]} = "{file}": is not read with flow.source = "{source}": say '
+                    f'flow.source = "{name}", or leave it away'
+                )
+                raise ValueError(msg)
+        known = [name for name in DEPOSITION_PARTS if name in self.study.parts]
+        if source != "deposition" and known:
+            msg = (
+                f'study.parts: "{known[0]}" is about the deposition flow, and flow.source = '
+                f'"{source}": leave it away'
+            )
+            raise ValueError(msg)
+        return self
+
+    @model_validator(mode="after")
     def _scales(self) -> Self:
         """Refuse a fiber that sees the walls: every model takes the flow for a uniform gradient."""
+        if not self._is_solved:
+            return self
         width, half_length = self.flow.capillary_width, self.fiber.half_length
         if self.fiber.model != "confined-ellipse" and 2 * half_length >= width:
             msg = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -19,7 +19,13 @@ SHORTEST, LONGEST = 0.01, 100.0
 
 
 class Flow(Section):
-    """The nozzle, its height over the bed, and the two speeds."""
+    """The nozzle, its height over the bed, and the two speeds; or that the flow is given."""
+
+    source: Literal["deposition", "field", "histories"] = setting(
+        "deposition",
+        "Where the flow comes from: the deposition flow of this table is solved; another solver's "
+        "field is read ([field], [paths]); or paths are (paths.file).",
+    )
 
     inlet_width: float = quantity(
         "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, le=1, source=INFERRED

@@ -7,7 +7,8 @@ from typing import Any, Literal, Self
 
 from pydantic import create_model, field_validator, model_validator
 
-from fibermelt.study.parameters import Section, quantity, setting
+from fibermelt.study.config.given import GivenFile
+from fibermelt.study.parameters import quantity, setting
 
 __all__ = ["Paths"]
 
@@ -26,7 +27,7 @@ _ENDS: dict[str, Any] = {
 }
 """What Python takes for a keyword, and a person writes."""
 
-_Ends: Any = create_model("_Ends", __base__=Section, **_ENDS)
+_Ends: Any = create_model("_Ends", __base__=GivenFile, **_ENDS)
 
 
 class Paths(_Ends):  # type: ignore[misc]

@@ -141,21 +141,20 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
 
 def _spheroids(inputs: Inputs, viscosity: Viscosity) -> dict[str, Array]:
     """Return the lowest pressure on spheroids by basis, (streamline, point) [Pa, relative]."""
-    from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid  # noqa: PLC0415
-    from fibermelt.fiber.paths import strain_polar  # noqa: PLC0415
+    from fibermelt.fiber import Spheroid, unbounded_spheroid  # noqa: PLC0415
     from fibermelt.fiber.pressure import newtonian_viscosity  # noqa: PLC0415
     from fibermelt.melt import ViscosityLaw  # noqa: PLC0415
 
     fiber = Spheroid(1.0, float(inputs["cell"]["aspect_ratio"]))
     if isinstance(viscosity, ViscosityLaw):
         return _thinned_spheroid(inputs, fiber, viscosity)
-    gradient = inputs["streamlines"]["gradient"].to_numpy()
+    path = stored_path(inputs["streamlines"])
     spheroid = unbounded_spheroid(fiber)
-    scale = newtonian_viscosity(viscosity, strain_polar(gradient)[0])
-    found = {"spheroid": scale * spheroid.bounds(embed_planar(gradient))[0]}
+    scale = newtonian_viscosity(viscosity, 0.5 * path.shear_rate)
+    found = {"spheroid": scale * spheroid.bounds(path.gradient)[0]}
     if "orientation" in inputs:
         tensor = inputs["orientation"]["orientation"].to_numpy()
-        found[ORIENTED] = scale * _mean_at_tips(spheroid, gradient, tensor)
+        found[ORIENTED] = scale * _mean_at_tips(spheroid, path.gradient, tensor)
     return found
 
 
@@ -186,14 +185,14 @@ def _mean_at_tips(spheroid: SpheroidResponse, gradient: Array, tensor: Array) ->
     ----------
     spheroid : SpheroidResponse
         Its response.
-    gradient : (..., 2, 2) array
+    gradient : (..., 3, 3) array
         Velocity gradients [1/s].
     tensor : (..., 3, 3) array
         Orientation tensors.
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    stretch = np.einsum("...ij,...ij->...", gradient, tensor[..., :2, :2])
+    stretch = np.einsum("...ij,...ij->...", gradient, tensor)
     return np.asarray((spheroid.offset - spheroid.axial) * stretch)
 
 
