@@ -279,6 +279,7 @@ def test_the_list_is_complete(name: str) -> None:
     """Whatever takes one of these is refused something above, or is what comes out of a stage."""
     results = {"EllipseField", "SpheroidResponse", "Motion", "DirectorMotion", "NewtonMotion"}
     results |= {"Tumbling", "ThinningMotion", "ThinningSpheroid"}
+    results |= {"SpatialMotion", "EllipsoidMotion"}
     results |= {"Extremes"}  # plain values with these names: nothing asks for them
     cells = {"orbit_newton"}  # needs a cell: see the verification tests
     if name in results | cells or inspect.isabstract(getattr(fiber, name)):

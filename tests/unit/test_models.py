@@ -95,7 +95,7 @@ def test_the_section_is_the_pressure_on_the_spheroid(
 
 
 def test_the_known_numbers_of_six() -> None:
-    ellipse, section = (unbounded_model(name, Ellipse(1.0, 6.0)) for name in MODELS[1:])
+    ellipse, section = (unbounded_model(name, Ellipse(1.0, 6.0)) for name in MODELS[1:3])
     assert ellipse.response.tip_pressure == pytest.approx(7.0, rel=ROUNDING)
     assert section.response.tip_pressure == pytest.approx(15.53, abs=0.005)  # printed digits
     found = orbit(section.response, 1.0, VISCOSITY)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.fiber.cell_data import CellError, CellNumerics, CellSolution, CellSystem, FlowAround
 from fibermelt.fiber.directions import (
     equal_area_directions,
+    even_frames,
     jeffery_director,
     orbit_constant,
     orbit_phase,
@@ -43,6 +44,7 @@ from fibermelt.fiber.extremes import (
     extremes,
     statistics,
 )
+from fibermelt.fiber.frames import follow_ellipsoids
 from fibermelt.fiber.jeffery import (
     ellipse_extremes,
     ellipse_pressure,
@@ -72,6 +74,15 @@ from fibermelt.fiber.pressure import (
 )
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.shape import Ellipse, jeffery_factor
+from fibermelt.fiber.spatial import (
+    EllipsoidMotion,
+    SpatialMotion,
+    SpatialPressure,
+    follow_spatial,
+    half_sphere,
+    spatial_bounds,
+    spatial_pressure,
+)
 from fibermelt.fiber.spheroid import (
     Spheroid,
     SpheroidResponse,
@@ -106,6 +117,7 @@ __all__ = [
     "EllipseField",
     "Ellipsoid",
     "EllipsoidField",
+    "EllipsoidMotion",
     "EllipsoidResponse",
     "ExtremeStatistics",
     "Extremes",
@@ -118,6 +130,8 @@ __all__ = [
     "NewtonMotion",
     "Orbit",
     "PressureBounds",
+    "SpatialMotion",
+    "SpatialPressure",
     "Spheroid",
     "SpheroidNumerics",
     "SpheroidResponse",
@@ -145,11 +159,15 @@ __all__ = [
     "ellipsoid_field",
     "embed_planar",
     "equal_area_directions",
+    "even_frames",
     "extreme_bounds",
     "extremes",
     "follow",
     "follow_directors",
+    "follow_ellipsoids",
     "follow_newton",
+    "follow_spatial",
+    "half_sphere",
     "isotropic_angles",
     "isotropic_pressure",
     "jeffery_angle",
@@ -167,6 +185,8 @@ __all__ = [
     "solve_cell",
     "solve_thinning",
     "solve_thinning_spheroid",
+    "spatial_bounds",
+    "spatial_pressure",
     "stall_curve",
     "statistics",
     "surface_pressure",

@@ -1,20 +1,24 @@
-"""What answers for a fiber: how it turns, and what its surface sees, for any planar flow.
+"""What answers for a fiber: how it turns, and what its surface sees.
 
-Three models, one interface. In the plane of the flow each is a `FiberResponse`, so that `follow`,
+Four models, one interface. In the plane of the flow each is a `FiberResponse`, so that `follow`,
 `surface_pressure`, `pressure_bounds`, `extremes` and `orbit` take any of them:
 
 - ``confined-ellipse``: an ellipse in its circular cell (`solve_cell`), the paper's fiber;
 - ``ellipse``: the same in an unbounded melt (`unbounded_ellipse`);
-- ``spheroid``: a prolate spheroid in an unbounded melt (`planar_section`), whose tips see more.
+- ``spheroid``: a prolate spheroid in an unbounded melt (`planar_section`), whose tips see more;
+- ``ellipsoid``: one of three axes there; in the plane its third axis is across.
 
 They differ in what "every orientation" is: angles in the plane for an ellipse, which is a cylinder
-across the flow, and directions in space for a spheroid. The bounds are the same in both readings
-(`fibermelt.fiber.section`), the quantiles of an isotropic start are not.
+across the flow, directions in space for a spheroid, frames for an ellipsoid. A spheroid's bounds
+in a planar flow are the same in both readings (`fibermelt.fiber.section`), the quantiles of an
+isotropic start are not. Only the last two can follow a path that leaves the plane, and only in a
+melt that is Newtonian or taken for one.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -22,11 +26,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.errors import ConfigError, refuse_other
-from fibermelt.fiber.directions import equal_area_directions
+from fibermelt.fiber.directions import equal_area_directions, even_frames
+from fibermelt.fiber.directors import follow_directors
+from fibermelt.fiber.ellipsoid import Ellipsoid, EllipsoidResponse, unbounded_ellipsoid
 from fibermelt.fiber.extremes import before_middle, extreme_values
+from fibermelt.fiber.frames import FRAME_TOLERANCE, follow_ellipsoids
 from fibermelt.fiber.jeffery import unbounded_ellipse
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
-from fibermelt.fiber.paths import strain_polar
 from fibermelt.fiber.population import (
     ISOTROPIC_COUNT,
     QUANTILE_LEVELS,
@@ -34,11 +40,22 @@ from fibermelt.fiber.population import (
     isotropic_pressure,
     population_quantiles,
 )
-from fibermelt.fiber.pressure import Viscosity, newtonian_viscosity
+from fibermelt.fiber.pressure import (
+    PressureBounds,
+    Viscosity,
+    newtonian_viscosity,
+    pressure_bounds,
+)
 from fibermelt.fiber.response import FiberResponse
 from fibermelt.fiber.section import planar_section
 from fibermelt.fiber.shape import Ellipse
-from fibermelt.fiber.spatial import turned_directions
+from fibermelt.fiber.spatial import (
+    SpatialMotion,
+    follow_spatial,
+    half_sphere,
+    spatial_bounds,
+    turned_directions,
+)
 from fibermelt.fiber.spheroid import (
     Spheroid,
     SpheroidResponse,
@@ -51,7 +68,7 @@ __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_mod
 
 Array = NDArray[np.float64]
 
-ModelName = Literal["confined-ellipse", "ellipse", "spheroid"]
+ModelName = Literal["confined-ellipse", "ellipse", "spheroid", "ellipsoid"]
 
 MODELS: tuple[ModelName, ...] = get_args(ModelName)
 """The models by name."""
@@ -59,24 +76,47 @@ MODELS: tuple[ModelName, ...] = get_args(ModelName)
 
 @dataclass(frozen=True, eq=False)
 class FiberModel:
-    """A fiber that can be followed through any planar flow.
+    """A fiber that can be followed through any planar flow, and some through any flow.
 
     Parameters
     ----------
-    name : {"confined-ellipse", "ellipse", "spheroid"}
+    name : {"confined-ellipse", "ellipse", "spheroid", "ellipsoid"}
         Which model it is.
     response : FiberResponse
         Its answer while it lies in the plane of the flow.
     spheroid : SpheroidResponse or None
-        Its answer in any direction; None for an ellipse, which has no other.
+        A spheroid's answer in any direction; None for an ellipse, which has no other.
     thinning : ThinningResponse or None
         Its answer in the plane of a melt that thins, whose ``response`` is the Newtonian one.
+    ellipsoid : EllipsoidResponse or None
+        The answer of a body of three axes in any orientation.
     """
 
     name: ModelName
     response: FiberResponse
     spheroid: SpheroidResponse | None = None
     thinning: ThinningResponse | None = None
+    ellipsoid: EllipsoidResponse | None = None
+
+    @property
+    def in_space(self) -> SpheroidResponse | EllipsoidResponse:
+        """Return its answer in any orientation, in a Newtonian melt.
+
+        Raises
+        ------
+        ConfigError
+            If it has none.
+        """
+        body = self.ellipsoid or self.spheroid
+        if body is None or self.thinning is not None:
+            why = "in a melt that thins" if body is not None else "a cylinder across the flow"
+            msg = (
+                f'fiber.model = "{self.name}": {why} it has no direction out of the plane: take '
+                '"spheroid" or "ellipsoid", in a melt that thins with fiber.melt = '
+                '"local-viscosity"'
+            )
+            raise ConfigError(msg)
+        return body
 
     @property
     def turning(self) -> float | ThinningResponse:
@@ -87,6 +127,46 @@ class FiberModel:
     def in_plane(self) -> FiberResponse | ThinningResponse:
         """Return its answer in the plane of the flow, in its melt."""
         return self.response if self.thinning is None else self.thinning
+
+    def follow_in_space(
+        self, path: FlowHistory, count: int, tolerance: float = ANGLE_TOLERANCE
+    ) -> SpatialMotion:
+        """Follow fibers that start evenly over the sphere, in order of their angle seen along z.
+
+        Directions of a spheroid are `half_sphere`'s, frames of an ellipsoid `even_frames`.
+
+        Parameters
+        ----------
+        path : FlowHistory
+            One path or several, in the plane or in space.
+        count : int
+            Number of fibers.
+        tolerance : float
+            As in `follow_spatial`, or in `follow_ellipsoids`, where none is below its default.
+
+        Raises
+        ------
+        ConfigError, ConvergenceError
+            As in `in_space`, `follow_spatial` and `follow_ellipsoids`.
+        """
+        body = self.in_space
+        if isinstance(body, SpheroidResponse):
+            start = half_sphere(count, planar=path.planar)
+            return follow_spatial(path, body.shape_factor, start, tolerance)
+        frames = even_frames(count)
+        order = np.argsort(np.arctan2(frames[:, 1, 0], frames[:, 0, 0]), kind="stable")
+        return follow_ellipsoids(path, body, frames[order], max(tolerance, FRAME_TOLERANCE))
+
+    def bounds(self, path: FlowHistory, viscosity: Viscosity) -> PressureBounds:
+        """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
+
+        In the plane by `fibermelt.fiber.pressure_bounds`; on a path in space, and for an ellipsoid,
+        whose worst frames may have any axis across, by `spatial_bounds`. Parameters and errors as
+        there.
+        """
+        if path.planar and self.ellipsoid is None:
+            return pressure_bounds(path, self.in_plane, viscosity)
+        return spatial_bounds(path, self.in_space, viscosity)
 
     def isotropic_pressure(
         self,
@@ -99,18 +179,23 @@ class FiberModel:
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, and for all in a melt that thins; over the sphere for a
-        spheroid in a Newtonian one, by ``count`` directions (`equal_area_directions`), between
-        whose values quantiles are linear. The other
-        parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
+        In the plane for an ellipse, and for all in a melt that thins; else over the sphere by
+        ``count`` directions (`equal_area_directions`) or frames (`even_frames`), between whose
+        values quantiles are linear. The other parameters and errors as in
+        `fibermelt.fiber.population.isotropic_pressure`.
         """
-        if self.spheroid is None or self.thinning is not None:
+        if self.thinning is not None or (self.spheroid is None and self.ellipsoid is None):
             return isotropic_pressure(
                 path, self.in_plane, viscosity, middle_time, levels, tolerance
             )
-        return _isotropic_spheroids(
-            path, self.spheroid, viscosity, middle_time, count, levels, tolerance
-        )
+        values = _isotropic_values(path, self.in_space, count, tolerance)
+
+        def pressures(one: FlowHistory, middle: float | None) -> tuple[Array, Array, Array]:
+            scale = newtonian_viscosity(viscosity, 0.5 * one.shear_rate)
+            lowest, highest = (scale * side for side in values(one))
+            return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
+
+        return population_quantiles(path, middle_time, levels, pressures)
 
 
 def confined_model(response: FiberResponse) -> FiberModel:
@@ -118,52 +203,71 @@ def confined_model(response: FiberResponse) -> FiberModel:
     return FiberModel("confined-ellipse", response)
 
 
-def unbounded_model(name: ModelName, fiber: Ellipse) -> FiberModel:
+def unbounded_model(name: ModelName, fiber: Ellipse | Ellipsoid) -> FiberModel:
     """Return the model of a fiber in an unbounded melt, exact to rounding.
 
     Parameters
     ----------
-    name : {"ellipse", "spheroid"}
+    name : {"ellipse", "spheroid", "ellipsoid"}
         Which one.
-    fiber : Ellipse
-        The fiber, or the section of the spheroid through its axis; its size does not matter.
+    fiber : Ellipse or Ellipsoid
+        The fiber, or the section of the spheroid through its axis; the ellipsoid, its axes from the
+        longest to the shortest. Its size does not matter.
 
     Raises
     ------
     ConfigError
-        If the name is another, or the fiber none.
+        If the name is another, or the fiber none of its kind.
     """
+    if name == "ellipsoid":
+        refuse_other("fiber", fiber, Ellipsoid)
+        assert isinstance(fiber, Ellipsoid)
+        if list(fiber.semi_axes) != sorted(fiber.semi_axes, reverse=True):
+            msg = f"fiber.semi_axes = {fiber.semi_axes}: must fall from the first to the third"
+            raise ConfigError(msg)
+        body = unbounded_ellipsoid(fiber)
+        return FiberModel(name, planar_section(body), ellipsoid=body)
     refuse_other("fiber", fiber, Ellipse)
+    assert isinstance(fiber, Ellipse)
     if name == "ellipse":
         return FiberModel(name, unbounded_ellipse(fiber))
     if name == "spheroid":
         spheroid = unbounded_spheroid(Spheroid(fiber.half_length, fiber.aspect_ratio))
         return FiberModel(name, planar_section(spheroid), spheroid)
-    msg = f'fiber.model = "{name}": must be "ellipse" or "spheroid" in an unbounded melt'
+    msg = (
+        f'fiber.model = "{name}": must be "ellipse", "spheroid" or "ellipsoid" in an unbounded melt'
+    )
     raise ConfigError(msg)
 
 
-def _isotropic_spheroids(
-    path: FlowHistory,
-    spheroid: SpheroidResponse,
-    viscosity: Viscosity,
-    middle_time: ArrayLike | None,
-    count: int,
-    levels: tuple[float, ...],
-    tolerance: float,
-) -> IsotropicPressure:
-    """Return quantiles over spheroids that start isotropic in space, path by path."""
+def _isotropic_values(
+    path: FlowHistory, body: SpheroidResponse | EllipsoidResponse, count: int, tolerance: float
+) -> Callable[[FlowHistory], tuple[Array, Array]]:
+    """Return what finds the lowest and highest pressures over ``mu`` of an isotropic start.
+
+    It takes the paths one by one, in their order; arrays are (count, n).
+    """
+    if isinstance(body, EllipsoidResponse):
+        frames = even_frames(count)
+
+        def of_frames(one: FlowHistory) -> tuple[Array, Array]:
+            motion = follow_ellipsoids(one, body, frames, max(tolerance, FRAME_TOLERANCE))
+            return body.turned_values(one.gradient, motion.direction, motion.second)
+
+        return of_frames
     initial = equal_area_directions(count)
-    deformation, _ = deformation_along(path, spheroid.shape_factor, tolerance)
-    paths = itertools.count()
+    if not path.planar:
 
-    def pressures(one: FlowHistory, middle: float | None) -> tuple[Array, Array, Array]:
-        k = next(paths)
-        directions = turned_directions(deformation.line(k), initial)
-        size, _ = strain_polar(one.gradient)
-        scale = newtonian_viscosity(viscosity, size)
-        lowest, highest = spheroid.extreme_values(one.gradient, directions)
-        lowest, highest = scale * lowest, scale * highest
-        return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
+        def in_space(one: FlowHistory) -> tuple[Array, Array]:
+            turned = follow_directors(one, body.shape_factor, initial, tolerance)
+            return body.extreme_values(one.gradient, turned.direction)
 
-    return population_quantiles(path, middle_time, levels, pressures)
+        return in_space
+    deformation, _ = deformation_along(path, body.shape_factor, tolerance)
+    lines = itertools.count()
+
+    def in_plane(one: FlowHistory) -> tuple[Array, Array]:
+        directions = turned_directions(deformation.line(next(lines)), initial)
+        return body.extreme_values(one.gradient, directions)
+
+    return in_plane

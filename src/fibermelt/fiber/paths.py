@@ -29,8 +29,9 @@ def checked_path(path: FlowHistory) -> None:
     refuse_other("path", path, FlowHistory)
     if not path.planar:
         msg = (
-            "the path leaves the plane of x and y, where this fiber is known: take a spheroid in "
-            "space (follow_directors)"
+            "the path leaves the plane of x and y, where this fiber is known: take fiber.model = "
+            '"spheroid" or "ellipsoid" (follow_spatial, follow_ellipsoids), in a melt that thins '
+            'with fiber.melt = "local-viscosity"'
         )
         raise HistoryError(msg)
 

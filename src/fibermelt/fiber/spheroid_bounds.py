@@ -101,4 +101,5 @@ def mildest_pressure(
         first, second = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
         falls = highest(first) > highest(second)
         left, right = np.where(falls, first, left), np.where(falls, right, second)
-    return highest(0.5 * (left + right))
+    ends = np.minimum(highest(-np.ones_like(middle)), highest(np.ones_like(middle)))
+    return np.minimum(highest(0.5 * (left + right)), ends)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.ellipse_field import ellipse_field
+from fibermelt.fiber.ellipsoid import Ellipsoid
 from fibermelt.fiber.ellipsoid_field import ellipsoid_field
 from fibermelt.fiber.models import FiberModel
 from fibermelt.fiber.shape import Ellipse
@@ -73,13 +74,16 @@ def surroundings(model: FiberModel) -> Surroundings:
     points, cells, lines = _net(CellGrid(1.0 / ratio, RADIUS, *SPACINGS))
     velocity, pressure = [], []
     for mode in MODES:
-        if model.spheroid is None:
+        if model.spheroid is None and model.ellipsoid is None:
             planar = ellipse_field(Ellipse(1.0, ratio), mode, 0.0, points)
             velocity.append(planar.velocity)
             pressure.append(planar.pressure)
         else:
             inside = np.concatenate([points, np.zeros((len(points), 1))], axis=-1)
             body = Spheroid(1.0, ratio).as_ellipsoid()
+            if model.ellipsoid is not None:
+                a, b, c = model.ellipsoid.semi_axes / model.ellipsoid.semi_axes[0]
+                body = Ellipsoid((a, b, c))
             spatial = ellipsoid_field(body, embed_planar(mode), inside)
             velocity.append(spatial.velocity[:, :2])
             pressure.append(spatial.pressure)
