@@ -152,6 +152,8 @@ def _value(item: Declaration, value: object) -> str:
     if not isinstance(value, tuple):
         return _one(item, value)
     items = [_one(item, one) for one in value]
+    if not items:
+        return "none"
     if len(items) <= LONGEST_LIST:
         return ", ".join(items)
     return f"{items[0]}, {items[1]}, …, {items[-1]} ({len(items)})"
@@ -173,6 +175,6 @@ def _one(item: Declaration, value: object) -> str:
 
 def _unit(item: Declaration) -> str:
     """Return the unit that the default is written in; the SI unit where it has none."""
-    written = item.written[0] if isinstance(item.written, list) else item.written
+    written = (item.written or [None])[0] if isinstance(item.written, list) else item.written
     written = item.example if written is None else written
     return str(written).partition(" ")[2] or item.unit if item.unit else ""

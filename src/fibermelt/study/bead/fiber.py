@@ -247,6 +247,21 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
 
 
+def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -> Any:
+    """Return what the gradient's error does to extremes (n_streamlines, ...) at most [Pa].
+
+    An error ``e`` of the gradient changes the strain's size ``d`` by ``e/sqrt(2)`` at most, and what
+    it does to the fiber's direction counts for the rest of ``e``: of the lowest over every
+    orientation the pressure is off by as much as ``e`` is of ``d``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    size = np.maximum(0.5 * path.shear_rate, np.finfo(float).tiny)
+    error = np.abs(lowest) / size * lines["gradient_error"].to_numpy()
+    index = [np.searchsorted(time, at) for time, at in zip(path.time, when, strict=True)]
+    return np.stack([one[at] for one, at in zip(error, index, strict=True)])
+
+
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Follow the fibers along all streamlines, and find the pressure on their surfaces.
 
@@ -278,6 +293,9 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     bounds = pressure_bounds(path, model.in_plane, viscosity)
     if model.spheroid is not None and model.thinning is None:
         say(f"{count} directions of an isotropic start")
+    if "gradient_error" in lines:
+        at = followed["extreme_time"]
+        followed["extreme_error"] += _by_gradient(lines, path, bounds.lowest, at)
     isotropic = model.isotropic_pressure(
         path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
     )
