@@ -22,16 +22,7 @@ def bricks(seed: int) -> tuple[np.ndarray, np.ndarray]:
     axis = np.linspace(0, 1, N + 1)
     points = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(points)).reshape(N + 1, N + 1, N + 1)
-    corner = [
-        (0, 0, 0),
-        (1, 0, 0),
-        (1, 1, 0),
-        (0, 1, 0),
-        (0, 0, 1),
-        (1, 0, 1),
-        (1, 1, 1),
-        (0, 1, 1),
-    ]
+    corner = [(i, j, k) for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     cells = np.stack([number[i : i + N, j : j + N, k : k + N] for i, j, k in corner], axis=-1)
     order = np.random.default_rng(seed).permutation(len(points))
     moved = np.empty_like(points)
@@ -41,14 +32,8 @@ def bricks(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 SIDES = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
 WEDGES = [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
-PYRAMIDS = [
-    [0, 3, 2, 1, 8],
-    [4, 5, 6, 7, 8],
-    [0, 1, 5, 4, 8],
-    [3, 7, 6, 2, 8],
-    [0, 4, 7, 3, 8],
-    [1, 2, 6, 5, 8],
-]
+PYRAMIDS = [[*side, 8] for side in SIDES]
+"""A hexahedron's faces, and what it is cut into; 8 is a node in its middle."""
 
 
 def grids(seed: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -66,10 +51,7 @@ def grids(seed: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
             split_cells(14, with_middle[:, PYRAMIDS].reshape(-1, 5)),
         ),
     }
-    faces = np.array(
-        [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
-    )
-    nodes = hexahedra[:, faces].reshape(-1)
+    nodes = hexahedra[:, SIDES].reshape(-1)
     owner = np.repeat(np.arange(len(hexahedra)), 6)
     cut["polyhedra"] = (points, split_polyhedra(nodes, np.arange(0, len(nodes) + 1, 4), owner))
     return cut
