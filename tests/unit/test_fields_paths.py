@@ -22,6 +22,7 @@ from fibermelt.fields.paths import (
     inflow_section,
     line_section,
     line_seeds,
+    patch_section,
     plane_section,
     point_seeds,
     trace_field,
@@ -169,6 +170,9 @@ def test_parts_in_space_are_equal_for_any_count() -> None:
     assert seeds.flux == pytest.approx(1.0, rel=ROUNDING)
     patch = plane_section(field, [0.5, 0.5, 0.5], [1, 0, 0], radius=0.3)
     assert 0.15 < patch.flux < 0.35  # pieces of the mesh about a disk of 0.28
+    half = patch_section(field, [0.0, 0.0, 0.5], [0.0, 1.0, 1.0])  # cells end at its edge
+    assert half.flux == pytest.approx(0.5, rel=ROUNDING)
+    assert np.all(half.points[..., 2] >= 0.5)
 
 
 def test_what_flows_back_has_no_seeds() -> None:
@@ -350,6 +354,8 @@ SWIRLING = replace(TUBE_FIELD, velocity=TUBE_FIELD.velocity + np.array([0.0, 0.0
             lambda: plane_section(PIPE_FIELD, [0, 0, 0], [0, 0, 0]),
             "the plane's normal has no length",
         ),
+        (lambda: patch_section(PIPE_FIELD, [0, 0, 0], [0, 0, 1]), "one coordinate in common"),
+        (lambda: patch_section(PIPE_FIELD, [0, 0, 0], [1, 1, 1]), "one coordinate in common"),
         (lambda: line_section(SLIT_FIELD, [3, 0], [3, 1]), r"no cells in the line from \(3, 0\)"),
         (lambda: line_section(SLIT_FIELD, [0, 0.5], [1, 0.5]), "nothing flows through the line"),
     ],

@@ -23,16 +23,22 @@ from fibermelt.fiber.checks import (
 
 __all__ = [
     "equal_area_directions",
+    "even_frames",
     "jeffery_director",
     "orbit_constant",
     "orbit_phase",
     "planar_directions",
+    "raised_directions",
 ]
 
 Array = NDArray[np.float64]
 
 GOLDEN_TURN = math.pi * (3.0 - math.sqrt(5.0))
 """The golden section of a full turn [rad]."""
+
+PLASTIC_PART = 0.7548776662466927
+"""The inverse of the plastic ratio, the real root of ``x^3 = x + 1``: with it the turns about the
+axis are even, and do not follow the golden ones."""
 
 
 def planar_directions(angles: ArrayLike) -> Array:
@@ -47,6 +53,19 @@ def planar_directions(angles: ArrayLike) -> Array:
     """
     theta = checked_finite("angles", angles)
     return np.stack([np.cos(theta), np.sin(theta), np.zeros_like(theta)], axis=-1)
+
+
+def raised_directions(angle: Array, elevation: Array) -> Array:
+    """Return directions from their angle seen along z and elevation out of the plane, (..., 3).
+
+    Parameters
+    ----------
+    angle, elevation : (...) array
+        From the x axis, and from the plane of x and y [rad].
+    """
+    across = np.cos(elevation)
+    parts = [across * np.cos(angle), across * np.sin(angle), np.sin(elevation)]
+    return np.stack(parts, axis=-1)
 
 
 def equal_area_directions(count: int, *, whole_sphere: bool = False) -> Array:
@@ -73,6 +92,26 @@ def equal_area_directions(count: int, *, whole_sphere: bool = False) -> Array:
     azimuth = GOLDEN_TURN * np.arange(count)
     across = np.sqrt((1.0 - z) * (1.0 + z))
     return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), z], axis=-1)
+
+
+def even_frames(count: int) -> Array:
+    """Return right-handed body axes spread over all rotations, (count, 3, 3), one axis a column.
+
+    The first axes are `equal_area_directions`, the turns about them, over half a turn as a body of
+    three axes looks the same after one, multiples of the plastic ratio's part.
+
+    Parameters
+    ----------
+    count : int
+        Number of frames, at least 1.
+    """
+    p = equal_area_directions(count)
+    across = np.eye(3)[np.argmin(np.abs(p), axis=1)]
+    second = np.cross(p, across)
+    second /= np.linalg.norm(second, axis=1, keepdims=True)
+    turn = np.pi * (PLASTIC_PART * (np.arange(count) + 0.5) % 1.0)[:, None]
+    second = np.cos(turn) * second + np.sin(turn) * np.cross(p, second)
+    return np.stack([p, second, np.cross(p, second)], axis=-1)
 
 
 def orbit_constant(direction: ArrayLike, aspect_ratio: float) -> Array:

@@ -33,6 +33,7 @@ potentials); Kim and Karrila 1991, "Microhydrodynamics", chapter 3 (the linear t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,8 +41,16 @@ from numpy.typing import ArrayLike, NDArray
 from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
+from fibermelt.fiber.directions import even_frames
 from fibermelt.fiber.ellipsoid_integrals import ellipsoid_integrals
-from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
+from fibermelt.fiber.symmetric import (
+    Components,
+    Vector,
+    blocks,
+    components,
+    extreme_eigenpairs,
+    vector,
+)
 
 __all__ = ["Ellipsoid", "EllipsoidResponse", "SurfaceExtremes", "unbounded_ellipsoid"]
 
@@ -53,6 +62,12 @@ CYCLIC = ((1, 2), (2, 0), (0, 1))
 
 PAIRS = ((1, 2), (0, 2), (0, 1))
 """Rows and columns of the components of a symmetric matrix off its diagonal, in their order."""
+
+SHAPES = 61
+"""Kinds of strain, from axisymmetric stretching to compression, for which the mildest is sought."""
+
+FRAMES = 1000
+"""Orientations among which it is sought."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +169,7 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradient of the far field in body axes [1/s].
         """
-        S = self._stress(checked_gradient(gradient, 3))
+        S = self._stress(components(checked_gradient(gradient, 3)))
         rows = [[S[0], S[5], S[4]], [S[5], S[1], S[3]], [S[4], S[3], S[2]]]
         return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
@@ -192,7 +207,8 @@ class EllipsoidResponse:
         lowest, highest = np.empty(shape), np.empty(shape)
         places = np.empty((*shape, 3)), np.empty((*shape, 3))
         for block in blocks(shape):
-            low, high, at_low, at_high = extreme_eigenpairs(self._stress(L[block]))
+            strain = components(L[block])
+            low, high, at_low, at_high = extreme_eigenpairs(self._stress(strain))
             # pressure is minus the stress: the largest eigenvalue is the lowest pressure
             lowest[block], highest[block] = -high, -low
             for place, normal in zip(places, (at_high, at_low), strict=True):
@@ -200,12 +216,129 @@ class EllipsoidResponse:
                     place[(*block, ..., k)] = part
         return SurfaceExtremes(lowest, highest, *places)
 
-    def _stress(self, L: Array) -> Components:
-        """Return the components of ``Sigma/mu``."""
+    def turned_extremes(
+        self, gradient: ArrayLike, first: ArrayLike, second: ArrayLike
+    ) -> SurfaceExtremes:
+        """Return the same along the axes of the flow, for bodies turned to any frame.
+
+        All arguments broadcast.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradient of the far field [1/s].
+        first, second : (..., 3) array_like
+            The body's first and second axes, unit vectors at right angles; the third makes them
+            right-handed.
+        """
+        L, p, q = self._turned(gradient, first, second)
+        shape = L.shape[:-2]
+        lowest, highest = np.empty(shape), np.empty(shape)
+        places = np.empty((*shape, 3)), np.empty((*shape, 3))
+        for block in blocks(shape):
+            axes = _frame(vector(p[block]), vector(q[block]))
+            stress = self._stress(_in_frame(components(L[block]), axes))
+            low, high, at_low, at_high = extreme_eigenpairs(stress)
+            lowest[block], highest[block] = -high, -low
+            for place, normal in zip(places, (at_high, at_low), strict=True):
+                e = self._eccentric(normal)
+                for k in range(3):
+                    part = e[0] * axes[0][k] + e[1] * axes[1][k] + e[2] * axes[2][k]
+                    place[(*block, ..., k)] = part
+        return SurfaceExtremes(lowest, highest, *places)
+
+    def turned_values(
+        self, gradient: ArrayLike, first: ArrayLike, second: ArrayLike
+    ) -> tuple[Array, Array]:
+        """Return ``lowest, highest`` of `turned_extremes` without the places."""
+        L, p, q = self._turned(gradient, first, second)
+        shape = L.shape[:-2]
+        lowest, highest = np.empty(shape), np.empty(shape)
+        for block in blocks(shape):
+            axes = _frame(vector(p[block]), vector(q[block]))
+            stress = self._stress(_in_frame(components(L[block]), axes))
+            low, high, _, _ = extreme_eigenpairs(stress)
+            lowest[block], highest[block] = -high, -low
+        return lowest, highest
+
+    def _turned(
+        self, gradient: ArrayLike, first: ArrayLike, second: ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """Return gradients and frames of one shape."""
+        L = checked_gradient(gradient, 3)
+        p, q = checked_unit(first, "first"), checked_unit(second, "second")
+        shape = np.broadcast_shapes(L.shape[:-2], p.shape[:-1], q.shape[:-1])
+        return (
+            np.broadcast_to(L, (*shape, 3, 3)),
+            np.broadcast_to(p, (*shape, 3)),
+            np.broadcast_to(q, (*shape, 3)),
+        )
+
+    def bounds(self, gradient: ArrayLike) -> tuple[Array, Array]:
+        """Return the lowest and the highest ``(p - p_inf)/mu`` [1/s] over every orientation.
+
+        The pressure where the normal is ``n`` is ``G(n) : D`` with ``G_ij = N_i k_ii delta_ij -
+        k_ij n_i n_j`` in body axes (stiffness ``k``, depolarisation ``N``), and over all turns at
+        most the eigenvalues of both, paired in order (see `fibermelt.fiber.spheroid_bounds`). That
+        is largest for a normal along an axis, as the tests find among all normals for bodies of any
+        axes; for spheroids it is proved there.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradients [1/s].
+        """
+        L = checked_gradient(gradient, 3)
+        low, high, _, _ = extreme_eigenpairs(components(L))
+        return -self._worst(-high, -low), self._worst(low, high)
+
+    def _worst(self, low: Array, high: Array) -> Array:
+        """Return the highest pressure over every orientation from the ends of the strain."""
+        own = np.diag(self.stiffness)
+        found = []
+        for k in range(3):
+            least, middle, most = np.sort(self.depolarisation * own - own * (np.arange(3) == k))
+            found.append(most * high - middle * (low + high) + least * low)
+        return np.asarray(np.max(found, axis=0))
+
+    def mildest(self, gradient: ArrayLike) -> tuple[Array, Array]:
+        """Return the lowest and the highest ``(p - p_inf)/mu`` [1/s] where they are mildest.
+
+        Of `FRAMES` orientations, so that there may be milder ones, by some per cent; linear
+        between `SHAPES` kinds of strain.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradients [1/s].
+        """
+        L = checked_gradient(gradient, 3)
+        low, high, _, _ = extreme_eigenpairs(components(L))
+        half, middle = 0.5 * (high - low), 0.5 * (high + low)
+        kind = middle / np.where(half > 0.0, half, 1.0)
+        kinds, values = self._mildest
+        return -half * np.interp(-kind, kinds, values), half * np.interp(kind, kinds, values)
+
+    @cached_property
+    def _mildest(self) -> tuple[Array, Array]:
+        """Return kinds of strain ``diag(1 + k, -2 k, k - 1)`` and their mildest highest pressure.
+
+        ``k`` lies between -1/3 and 1/3.
+        """
+        k = np.linspace(-1.0, 1.0, SHAPES) / 3.0
+        strain = np.zeros((SHAPES, 1, 3, 3))
+        for axis, part in enumerate((1.0 + k, -2.0 * k, k - 1.0)):
+            strain[:, 0, axis, axis] = part
+        frames = even_frames(FRAMES)
+        _, highest = self.turned_values(strain, frames[..., 0], frames[..., 1])
+        return k, highest.min(axis=1)
+
+    def _stress(self, D: Components) -> Components:
+        """Return the components of ``Sigma/mu`` in body axes, from those of the strain there."""
         k, (n1, n2, n3) = self.stiffness, self.depolarisation
-        a, b, c = (k[i, i] * L[..., i, i] for i in range(3))
+        a, b, c = (k[i, i] * D[i] for i in range(3))
         rest = n1 * a + n2 * b + n3 * c
-        d, e, f = (0.5 * k[i, j] * (L[..., i, j] + L[..., j, i]) for i, j in PAIRS)
+        d, e, f = (k[i, j] * part for (i, j), part in zip(PAIRS, D[3:], strict=True))
         return a - rest, b - rest, c - rest, d, e, f
 
     def _eccentric(self, normal: Vector) -> Vector:
@@ -249,4 +382,32 @@ def unbounded_ellipsoid(body: Ellipsoid) -> EllipsoidResponse:
     factors = np.array([(a[j] - a[k]) * (a[j] + a[k]) / (a[j] ** 2 + a[k] ** 2) for j, k in CYCLIC])
     return EllipsoidResponse(
         np.array(body.semi_axes, dtype=np.float64), factors, stiffness, 0.5 * integrals.single
+    )
+
+
+def _frame(p: Vector, q: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return three axes, the third at right angles to both."""
+    r = (p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0])
+    return p, q, r
+
+
+def _in_frame(D: Components, axes: tuple[Vector, Vector, Vector]) -> Components:
+    """Return the components of a symmetric matrix along other axes."""
+    a, b, c, d, e, f = D
+    p, q, r = axes
+    images = [
+        (a * x + f * y + e * z, f * x + b * y + d * z, e * x + d * y + c * z) for x, y, z in axes
+    ]
+
+    def along(u: Vector, v: Vector) -> Array:
+        return np.asarray(u[0] * v[0] + u[1] * v[1] + u[2] * v[2])
+
+    first, second, third = images
+    return (
+        along(first, p),
+        along(second, q),
+        along(third, r),
+        along(second, r),
+        along(first, r),
+        along(first, q),
     )

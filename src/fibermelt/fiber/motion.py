@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Protocol, overload
+from typing import Protocol, overload, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, refuse_no_count
 from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.curve import fold_angle
+from fibermelt.fiber.directions import raised_directions
 from fibermelt.fiber.magnus import interval_propagators
 from fibermelt.fiber.paths import (
     checked_path,
@@ -81,6 +82,19 @@ class Turning(Protocol):
     @property
     def path(self) -> FlowHistory:
         """What they were followed along."""
+
+
+@runtime_checkable
+class SpatialTurning(Protocol):
+    """Fibers' angles along a path that may leave the plane."""
+
+    @property
+    def angle(self) -> Array:
+        """Angle [rad] of a fiber seen along z from the x axis, shape (..., n_angles, n)."""
+
+    @property
+    def elevation(self) -> Array:
+        """Angle out of the plane of x and y [rad], shape (..., n_angles, n)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +240,10 @@ def _spin(path: FlowHistory, shape_factor: float, angle: Array) -> Array:
 
 
 def angle_to_stream(path: FlowHistory, motion: Turning) -> Array:
-    """Return the fibers' angles to the streamline [rad] in (-pi/2, pi/2], (..., n_angles, n).
+    """Return the fibers' angles to the streamline [rad], (..., n_angles, n).
+
+    In a planar flow those seen along z, in (-pi/2, pi/2]; on a path in space those between a fiber
+    and the velocity, in [0, pi/2]. A melt at rest has the x axis for its direction.
 
     Raises
     ------
@@ -234,7 +251,23 @@ def angle_to_stream(path: FlowHistory, motion: Turning) -> Array:
         If the fibers were followed along another path.
     """
     refuse_another_path(path, motion.path)
+    if not path.planar and isinstance(motion, SpatialTurning):
+        stream = _stream(path.velocity)[..., None, :, :]
+        return _angle_between(raised_directions(motion.angle, motion.elevation), stream)
     return fold_angle(motion.angle - path.direction[..., None, :])
+
+
+def _stream(velocity: Array) -> Array:
+    """Return the directions of velocities; at rest, the x axis."""
+    speed = np.linalg.norm(velocity, axis=-1, keepdims=True)
+    moves = speed > 0.0
+    return np.where(moves, velocity, [1.0, 0.0, 0.0]) / np.where(moves, speed, 1.0)
+
+
+def _angle_between(fiber: Array, stream: Array) -> Array:
+    """Return the angle between a fiber, whose ends are alike, and a direction [rad]."""
+    across = np.linalg.norm(np.cross(fiber, stream), axis=-1)
+    return np.asarray(np.arctan2(across, np.abs(np.einsum("...i,...i->...", fiber, stream))))
 
 
 def angle_to_stream_at(path: FlowHistory, motion: Turning, times: ArrayLike) -> Array:
@@ -251,7 +284,8 @@ def angle_to_stream_at(path: FlowHistory, motion: Turning, times: ArrayLike) -> 
     -------
     (..., n_angles, k) array
         By cubic Hermite interpolation of the angle (its rate is known) and linear interpolation
-        of the velocity's direction.
+        of the velocity's direction. On a path in space, of which see `angle_to_stream`, both
+        directions are those between the neighbours' on a straight line.
 
     Raises
     ------
@@ -275,6 +309,8 @@ def angle_to_stream_at(path: FlowHistory, motion: Turning, times: ArrayLike) -> 
     t0 = np.take_along_axis(time, index, -1)
     step = np.take_along_axis(time, index + 1, -1) - t0
     u = ((times - t0) / step)[..., None, :]
+    if not path.planar and isinstance(motion, SpatialTurning):
+        return _between_points(path, motion, index, u)
     stream = path.direction
     stream0 = np.take_along_axis(stream, index, -1)
     direction = stream0 + u[..., 0, :] * (np.take_along_axis(stream, index + 1, -1) - stream0)
@@ -285,3 +321,18 @@ def angle_to_stream_at(path: FlowHistory, motion: Turning, times: ArrayLike) -> 
     bend, twist = 3.0 * (a1 - a0) - 2.0 * w0 - w1, w0 + w1 - 2.0 * (a1 - a0)
     angle = a0 + u * (w0 + u * (bend + u * twist))
     return fold_angle(angle - direction[..., None, :])
+
+
+def _between_points(
+    path: FlowHistory, motion: SpatialTurning, index: NDArray[np.intp], part: Array
+) -> Array:
+    """Return angles to the streamline on paths in space, at parts of the intervals named."""
+    fiber = raised_directions(motion.angle, motion.elevation)
+    stream = _stream(path.velocity)[..., None, :, :]
+    at = index[..., None, :, None]
+    ends = []
+    for values in (fiber, stream):
+        first, second = (np.take_along_axis(values, at + k, -2) for k in (0, 1))
+        between = first + part[..., None] * (second - first)
+        ends.append(between / np.linalg.norm(between, axis=-1, keepdims=True))
+    return _angle_between(*ends)

@@ -28,8 +28,15 @@ from fibermelt.errors import ConfigError, HistoryError, refuse_other
 from fibermelt.fiber.checks import checked_gradient, checked_positive, checked_unit
 from fibermelt.fiber.ellipsoid import Ellipsoid, SurfaceExtremes, unbounded_ellipsoid
 from fibermelt.fiber.shape import jeffery_factor
-from fibermelt.fiber.spheroid_bounds import orientation_bound
-from fibermelt.fiber.symmetric import Components, Vector, blocks, extreme_eigenpairs
+from fibermelt.fiber.spheroid_bounds import mildest_pressure, orientation_bound
+from fibermelt.fiber.symmetric import (
+    Components,
+    Vector,
+    blocks,
+    components,
+    extreme_eigenpairs,
+    vector,
+)
 
 __all__ = ["Spheroid", "SpheroidResponse", "embed_planar", "unbounded_spheroid"]
 
@@ -130,7 +137,7 @@ class SpheroidResponse:
 
     def surface_stress(self, gradient: ArrayLike, direction: ArrayLike) -> Array:
         """Return ``Sigma/mu`` [1/s], (..., 3, 3): the traction is ``Sigma n - p_inf n``."""
-        S = self._stress(checked_gradient(gradient, 3), _vector(checked_unit(direction)))
+        S = self._stress(checked_gradient(gradient, 3), vector(checked_unit(direction)))
         rows = [[S[0], S[5], S[4]], [S[5], S[1], S[3]], [S[4], S[3], S[2]]]
         return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
@@ -152,7 +159,7 @@ class SpheroidResponse:
         lowest, highest = np.empty(shape), np.empty(shape)
         places = np.empty((*shape, 3)), np.empty((*shape, 3))
         for block in blocks(shape):
-            axis = _vector(p[block])
+            axis = vector(p[block])
             low, high, at_low, at_high = extreme_eigenpairs(self._stress(L[block], axis))
             # pressure is minus the stress: the largest eigenvalue is the lowest pressure
             lowest[block], highest[block] = -high, -low
@@ -168,7 +175,7 @@ class SpheroidResponse:
         L, p = np.broadcast_to(L, (*shape, 3, 3)), np.broadcast_to(p, (*shape, 3))
         lowest, highest = np.empty(shape), np.empty(shape)
         for block in blocks(shape):
-            low, high, _, _ = extreme_eigenpairs(self._stress(L[block], _vector(p[block])))
+            low, high, _, _ = extreme_eigenpairs(self._stress(L[block], vector(p[block])))
             lowest[block], highest[block] = -high, -low
         return lowest, highest
 
@@ -189,13 +196,29 @@ class SpheroidResponse:
             Velocity gradients [1/s].
         """
         L = checked_gradient(gradient, 3)
-        low, high, _, _ = extreme_eigenpairs(_strain(L))
+        low, high, _, _ = extreme_eigenpairs(components(L))
         constants = (self.axial, self.transverse, self.offset)
         return -orientation_bound(constants, -high, -low), orientation_bound(constants, low, high)
 
+    def mildest(self, gradient: ArrayLike) -> tuple[Array, Array]:
+        """Return the lowest and the highest ``(p - p_inf)/mu`` [1/s] where they are mildest.
+
+        Each in the direction of its own that suffers least from it: see
+        `fibermelt.fiber.spheroid_bounds`.
+
+        Parameters
+        ----------
+        gradient : (..., 3, 3) array_like
+            Velocity gradients [1/s].
+        """
+        L = checked_gradient(gradient, 3)
+        low, high, _, _ = extreme_eigenpairs(components(L))
+        constants = (self.axial, self.shear, self.transverse, self.offset)
+        return -mildest_pressure(constants, -high, -low), mildest_pressure(constants, low, high)
+
     def _stress(self, L: Array, p: Vector) -> Components:
         """Return the components of ``Sigma/mu`` for the directors' components ``p``."""
-        a, b, c, d, e, f = _strain(L)
+        a, b, c, d, e, f = components(L)
         x, y, z = p
         u, v, w = a * x + f * y + e * z, f * x + b * y + d * z, e * x + d * y + c * z
         stretch = u * x + v * y + w * z
@@ -276,19 +299,3 @@ def embed_planar(gradient: ArrayLike) -> Array:
     embedded = np.zeros((*L.shape[:-2], 3, 3))
     embedded[..., :2, :2] = L
     return embedded
-
-
-def _strain(L: Array) -> Components:
-    """Return the components of ``D``."""
-    return (
-        np.asarray(L[..., 0, 0]),
-        np.asarray(L[..., 1, 1]),
-        np.asarray(L[..., 2, 2]),
-        np.asarray(0.5 * (L[..., 1, 2] + L[..., 2, 1])),
-        np.asarray(0.5 * (L[..., 0, 2] + L[..., 2, 0])),
-        np.asarray(0.5 * (L[..., 0, 1] + L[..., 1, 0])),
-    )
-
-
-def _vector(p: Array) -> Vector:
-    return np.asarray(p[..., 0]), np.asarray(p[..., 1]), np.asarray(p[..., 2])

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Components", "Vector", "blocks", "extreme_eigenpairs"]
+__all__ = ["Components", "Vector", "blocks", "components", "extreme_eigenpairs", "vector"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,24 @@ Components = tuple[Array, Array, Array, Array, Array, Array]
 
 Vector = tuple[Array, Array, Array]
 """The components of vectors, arrays of one shape."""
+
+
+def components(matrix: Array) -> Components:
+    """Return the components of the symmetric part of matrices (..., 3, 3)."""
+    A = matrix
+    return (
+        np.asarray(A[..., 0, 0]),
+        np.asarray(A[..., 1, 1]),
+        np.asarray(A[..., 2, 2]),
+        np.asarray(0.5 * (A[..., 1, 2] + A[..., 2, 1])),
+        np.asarray(0.5 * (A[..., 0, 2] + A[..., 2, 0])),
+        np.asarray(0.5 * (A[..., 0, 1] + A[..., 1, 0])),
+    )
+
+
+def vector(v: Array) -> Vector:
+    """Return the components of vectors (..., 3)."""
+    return np.asarray(v[..., 0]), np.asarray(v[..., 1]), np.asarray(v[..., 2])
 
 
 def extreme_eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector]:

@@ -34,6 +34,7 @@ __all__ = [
     "inflow_section",
     "line_section",
     "line_seeds",
+    "patch_section",
     "plane_section",
     "point_seeds",
     "trace_field",
@@ -325,12 +326,54 @@ def plane_section(
     if length == 0.0:
         msg = "the plane's normal has no length: must be a direction, e.g. [1, 0, 0]"
         raise ConfigError(msg)
-    cell, weights = _cut(field, x, n / length)
-    middle = np.einsum("fcp,fpi->fi", weights, field.points[field.cells[cell]]) / 3.0
-    near = np.linalg.norm(middle - x, axis=1) <= radius
     where = f"the plane through {_place(x)} m across {_place(n)}"
     where += f" within {radius:.4g} m" if np.isfinite(radius) else ""
-    return _section(field, cell[near], weights[near], n / length, where)
+    reach = np.array([radius, np.inf, np.inf, np.inf])
+    return _plane_piece(field, x, n / length, reach, where)
+
+
+def patch_section(field: Field, start: ArrayLike, stop: ArrayLike) -> Section:
+    """Return the section of a flow in space by a rectangle across x, y or z.
+
+    Parameters
+    ----------
+    field : Field
+        The flow.
+    start, stop : (3,) array_like
+        Opposite corners [m], with one coordinate in common: pieces with their middle inside count.
+
+    Raises
+    ------
+    ConfigError
+        If the flow is not in space, the corners have no or more than one coordinate in common, or
+        nothing flows across.
+    """
+    a, b = _line(field, start, stop)
+    extent = float(np.max(field.bounds[1] - field.bounds[0]))
+    common = np.abs(b - a) <= FLAT * extent
+    if field.geometry != "spatial" or np.sum(common) != 1:
+        msg = (
+            f"paths.from = {_place(a)} m and paths.to = {_place(b)} m: opposite corners of a "
+            "rectangle across x, y or z in a flow in space have one coordinate in common"
+        )
+        raise ConfigError(msg)
+    where = f"the rectangle from {_place(a)} to {_place(b)} m"
+    reach = np.where(common, np.inf, 0.5 * np.abs(b - a))
+    return _plane_piece(
+        field, 0.5 * (a + b), common.astype(np.float64), np.r_[np.inf, reach], where
+    )
+
+
+def _plane_piece(field: Field, middle: Array, normal: Array, reach: Array, where: str) -> Section:
+    """Return the section by a plane, of pieces within reach of a middle.
+
+    In a straight line, and along x, y and z.
+    """
+    cell, weights = _cut(field, middle, normal)
+    off = np.einsum("fcp,fpi->fi", weights, field.points[field.cells[cell]]) / 3.0 - middle
+    off = np.column_stack([np.linalg.norm(off, axis=1), np.abs(off)])
+    near = np.all(off <= reach, axis=1)
+    return _section(field, cell[near], weights[near], normal, where)
 
 
 def inflow_section(field: Field) -> Section:
