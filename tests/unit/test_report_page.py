@@ -307,7 +307,10 @@ def test_sources_follow_what_ran() -> None:
         interaction={"closure": "ORF", "law": "phan-thien"},
     )
     assert {"cintra1995", "phanthien2002", "montgomerysmith2010"} <= other
-    assert not {"verweyst1998", "bay1991"} & other
+    assert not {"verweyst1998", "bay1991", "wang2008"} & other
+    assert {"wang2008", "phelps2009"} <= keys(
+        study={"parts": ["bead", "orientation"]}, interaction={"model": "ard-rsc", "b1": 1e-3}
+    )
     given = keys(study={"parts": ["interaction"]}, interaction={"coefficient": 0.01})
     assert "bay1991" not in given
     assert {"verweyst1998", "cintra1995", "chung2002", "carlson1979"} <= given

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib.resources import files
@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
+from fibermelt.study.config.interaction import interacting
 from fibermelt.study.config.melt import melted
 from fibermelt.study.messages import explain
 from fibermelt.study.overrides import (
@@ -26,6 +27,12 @@ from fibermelt.study.syntax import parse_toml, read_toml
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
 _LONGEST_PATH = 200
+
+ANEW: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]] = {
+    "melt": melted,
+    "interaction": interacting,
+}
+"""What is left of a table under one that names another melt, law or model, by the table's name."""
 
 
 @dataclass(frozen=True)
@@ -206,13 +213,14 @@ def _lent(name: str) -> dict[str, Any]:
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """Return ``base`` with the keys of ``over``, table by table.
 
-    Another melt, or another law, begins anew: `fibermelt.study.config.melt.melted`.
+    Another melt, law or model of orientation begins anew: `ANEW`.
     """
     both = dict(base)
     for key, value in over.items():
         below = both.get(key)
         if isinstance(below, Mapping) and isinstance(value, Mapping):
-            both[key] = merged(melted(below, value) if key == "melt" else below, value)
+            left = ANEW[key](below, value) if key in ANEW else below
+            both[key] = merged(left, value)
         else:
             both[key] = value
     return both
