@@ -16,7 +16,7 @@ __all__ = ["OWN", "WITHOUT_COEFFICIENT", "Interaction", "ModelName", "interactin
 ModelName = Literal["folgar-tucker", "rsc", "ard-rsc", "iard", "pard", "mrd", "nematic", "jeffery"]
 """The models of orientation; `fibermelt.orientation.models.MODELS` has one of each name."""
 
-OWN: Mapping[ModelName, Mapping[str, float | None]] = {
+OWN: Mapping[str, Mapping[str, float | None]] = {
     "folgar-tucker": {},
     "rsc": {"kappa": None},
     "ard-rsc": {"b1": None, "b2": 0.0, "b3": 0.0, "b4": 0.0, "b5": 0.0, "kappa": 1.0},
@@ -194,7 +194,7 @@ class Interaction(Section):
                 )
                 raise ValueError(msg)
             if value is None and name in own:
-                example = type(self).model_fields[name].json_schema_extra["example"]  # type: ignore[index,call-overload]
+                example = type(self).model_fields[name].json_schema_extra["example"]  # type: ignore[index]
                 msg = (
                     f"interaction.{name}: missing: {asked} cannot do without; say it, such as "
                     f"interaction.{name} = {example}"
