@@ -32,7 +32,7 @@ def exact_field(flow: ExactFlow, n: int) -> Field:
         pressure=flow.pressure(x),
         viscosity=None,
         temperature=None,
-        near_edge=np.zeros(len(x), dtype=bool),
+        near_wall=np.zeros(len(x), dtype=bool),
     )
 
 

@@ -67,7 +67,7 @@ def without(field: Field, is_gone: Callable[[Array], Array]) -> Field:
     """Return the field without the cells whose centres are named, as where a file has NaN."""
     keep = ~is_gone(field.points[field.cells].mean(axis=1))
     cells, kept = used_only(field.cells[keep], len(field.points))
-    nodal = ("points", "velocity", "gradient", "gradient_error", "divergence", "near_edge")
+    nodal = ("points", "velocity", "gradient", "gradient_error", "divergence", "near_wall")
     return replace(
         field,
         cells=cells,
@@ -303,7 +303,7 @@ def test_what_a_path_tells() -> None:
         field,
         divergence=np.full(len(field.points), 0.06),
         gradient_error=field.points[:, 0],
-        near_edge=field.points[:, 1] < 0.3,
+        near_wall=field.points[:, 1] < 0.3,
         temperature=500.0 + field.points[:, 0],
         pressure=None,
     )

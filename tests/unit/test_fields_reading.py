@@ -173,8 +173,8 @@ def test_a_plane_turned_about_an_axis(tmp_path: Path, flow: ExactFlow) -> None:
     assert gradient_error(field, flow) < ROUNDING
     # the axis is no wall, the other three sides are boundary
     on_axis = (field.points[:, 1] == 0) & (field.points[:, 0] > 0) & (field.points[:, 0] < 2)
-    assert not field.near_edge[on_axis].any()
-    assert field.near_edge[field.points[:, 1] == 1].all()
+    assert not field.near_wall[on_axis].any()
+    assert field.near_wall[field.points[:, 1] == 1].all()
     # the same as COMSOL has it, radius first, the axis up
     turned = Sample(
         Mesh(data.mesh.points[:, ::-1], data.mesh.cells), data.velocity[:, ::-1], data.pressure
@@ -200,7 +200,7 @@ def test_half_a_domain_is_mirrored(tmp_path: Path) -> None:
     assert gradient_error(field, SLIT) < ROUNDING
     inner = (np.abs(field.points[:, 1] - 0.5) < 1e-9) & (np.abs(field.points[:, 0] - 1) < 0.9)
     assert inner.any()
-    assert not field.near_edge[inner].any()
+    assert not field.near_wall[inner].any()
     for mirror, match in {
         "y": r'mirror = "y": the field goes from 0 m|mirror',
         "z": r'mirror = "z": the field is planar',
@@ -336,7 +336,7 @@ def test_blocks_that_repeat_nodes_are_joined_and_walls_are_not(tmp_path: Path) -
     assert any(note.startswith("5 nodes that lie on others") for note in field.notes)
     seam = (field.points[:, 0] == 2.0) & (np.abs(field.points[:, 1] - 0.5) < 0.4)
     assert seam.sum() == 5
-    assert not field.near_edge[seam].any()
+    assert not field.near_wall[seam].any()
 
 
 def test_values_of_cells_are_taken_to_points_and_told(tmp_path: Path) -> None:
@@ -453,9 +453,9 @@ def test_a_cloud_keeps_its_gaps(tmp_path: Path) -> None:
     np.testing.assert_array_equal(there.found, [False, False, True, True])
     # the corner into the flow is sharp: two rings around it are near it
     near = np.linalg.norm(field.points[:, :2] - [1.0, 0.5], axis=1) < 1 / 12
-    assert field.near_edge[near].all()
+    assert field.near_wall[near].all()
     far = np.linalg.norm(field.points[:, :2] - [0.5, 0.5], axis=1) < 0.2
-    assert not field.near_edge[far].any()
+    assert not field.near_wall[far].any()
 
 
 def test_one_layer_of_cells_is_planar(tmp_path: Path) -> None:

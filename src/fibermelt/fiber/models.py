@@ -46,6 +46,7 @@ from fibermelt.fiber.spheroid import (
 )
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
+from fibermelt.shown import Shown
 
 __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
 
@@ -57,8 +58,8 @@ MODELS: tuple[ModelName, ...] = get_args(ModelName)
 """The models by name."""
 
 
-@dataclass(frozen=True, eq=False)
-class FiberModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class FiberModel(Shown):
     """A fiber that can be followed through any planar flow.
 
     Parameters
@@ -77,6 +78,11 @@ class FiberModel:
     response: FiberResponse
     spheroid: SpheroidResponse | None = None
     thinning: ThinningResponse | None = None
+
+    def told(self) -> dict[str, str]:
+        """Return which model it is, of which fiber, and in which melt."""
+        melt = "Newtonian" if self.thinning is None else "one that thins"
+        return {"model": self.name, **self.response.told(), "melt": melt}
 
     @property
     def turning(self) -> float | ThinningResponse:

@@ -560,6 +560,7 @@ def _field(raw: _Raw, geometry: Geometry, notes: list[str]) -> Field:
         pressure=raw.scalars.get("pressure"),
         viscosity=raw.scalars.get("viscosity"),
         temperature=raw.scalars.get("temperature"),
+        near_wall=(at_wall | near_edge)[:n],
         near_edge=near_edge[:n],
         notes=tuple(dict.fromkeys(notes)),
     )

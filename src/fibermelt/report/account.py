@@ -11,6 +11,7 @@ from markupsafe import Markup
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.tables import Column, number, short, table
 from fibermelt.study.config import Config, Melt
+from fibermelt.study.config.interaction import OWN
 from fibermelt.study.loading import resolve
 from fibermelt.study.parameters import Declaration, declarations, flatten
 from fibermelt.units import parse
@@ -23,8 +24,11 @@ __all__ = ["account", "parameters", "title_of"]
 KEY = ("flow", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
 
-CARDS = frozenset(f"melt.{name}" for name in Melt.model_fields)
-"""What a melt may have none of: constants of another law, which are not shown."""
+OF_OTHERS = frozenset(
+    [f"melt.{name}" for name in Melt.model_fields]
+    + [f"interaction.{name}" for own in OWN.values() for name in own]
+)
+"""What a study may have none of: constants of another law or model, which are not shown."""
 
 LONGEST_LIST = 5
 """Items of a list that are written out; of a longer one the first two, the last, and how many."""
@@ -133,7 +137,9 @@ def _table(
             _mark(item, values[item.key], defaults[item.key]),
         )
         for item in items
-        if values[item.key] is not None or defaults[item.key] is not None or item.key not in CARDS
+        if values[item.key] is not None
+        or defaults[item.key] is not None
+        or item.key not in OF_OTHERS
     ]
     return table(name.capitalize(), COLUMNS, rows)
 

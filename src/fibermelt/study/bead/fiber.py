@@ -250,7 +250,7 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -> Any:
     """Return what the gradient's error does to extremes (n_streamlines, ...) at most [Pa].
 
-    An error ``e`` of the gradient changes the strain's size ``d`` by ``e/sqrt(2)`` at most, and what
+    An error ``e`` of the gradient changes the strain's size ``d`` by at most ``e/sqrt(2)``, and what
     it does to the fiber's direction counts for the rest of ``e``: of the lowest over every
     orientation the pressure is off by as much as ``e`` is of ``d``.
     """

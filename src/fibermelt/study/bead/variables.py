@@ -65,6 +65,7 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "field_pressure": ("field_node", "Pa", "pressure above the surrounding air's"),
     "field_viscosity": ("field_node", "Pa s", "viscosity that the file has"),
     "field_temperature": ("field_node", "K", "temperature"),
+    "field_near_wall": ("field_node", "1", "whether the gradient is one-sided or near an edge"),
     "field_near_edge": ("field_node", "1", "whether a sharp edge is near"),
     # The streamlines.
     "time": (_PATH, "s", "time since the inlet"),
