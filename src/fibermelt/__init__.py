@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
     from fibermelt.flow.streamlines import trace_streamlines
     from fibermelt.flow.vtu import write_vtu
+    from fibermelt.front import open_results, run_study, sweep
     from fibermelt.history import FlowHistory, simple_shear
     from fibermelt.melt import CarreauYasuda, Cross, CrossWLF, Newtonian, PowerLaw
     from fibermelt.orientation.closures import closure
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from fibermelt.orientation.fokker_planck import steady_distribution
     from fibermelt.orientation.models import FolgarTucker
     from fibermelt.orientation.steady import steady_state
+    from fibermelt.report import plot
 
 __version__ = "0.1.0"
 
@@ -76,6 +78,9 @@ _HOMES = {
     "Nozzle": "flow.problem",
     "trace_streamlines": "flow.streamlines",
     "write_vtu": "flow.vtu",
+    "open_results": "front",
+    "run_study": "front",
+    "sweep": "front",
     "FlowHistory": "history",
     "simple_shear": "history",
     "CarreauYasuda": "melt",
@@ -85,6 +90,9 @@ _HOMES = {
     "PowerLaw": "melt",
 }
 """Public name to the module that has it."""
+
+_MODULES = {"plot": "report.plot"}
+"""Public name of a module to where it is."""
 
 __all__ = [
     "CarreauYasuda",
@@ -110,9 +118,12 @@ __all__ = [
     "follow",
     "follow_orientation",
     "isotropic_angles",
+    "open_results",
     "orbit",
     "paper_angles",
+    "plot",
     "pressure_bounds",
+    "run_study",
     "simple_shear",
     "solve_cell",
     "solve_deposition",
@@ -121,6 +132,7 @@ __all__ = [
     "steady_distribution",
     "steady_state",
     "surface_pressure",
+    "sweep",
     "trace_streamlines",
     "tumble",
     "unbounded_ellipse",
@@ -133,6 +145,8 @@ def __getattr__(name: str) -> Any:
     """Load a public name from its module."""
     if name in _HOMES:
         return getattr(import_module(f"fibermelt.{_HOMES[name]}"), name)
+    if name in _MODULES:
+        return import_module(f"fibermelt.{_MODULES[name]}")
     msg = f"module 'fibermelt' has no attribute {name!r}"
     raise AttributeError(msg)
 

@@ -22,6 +22,7 @@ PARAMETERS: dict[str, Any] = {
     "interaction.closure": "ORE",
     "interaction.convention": "standard",
     "interaction.start": "isotropic",
+    "interaction.model": "folgar-tucker",
 }
 """The paper's suspension."""
 

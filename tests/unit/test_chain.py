@@ -89,6 +89,7 @@ def test_stages_come_after_their_inputs():
         ("streamlines.count", BELOW_FLOW),
         ("fiber.aspect_ratio", OF_THE_FIBER),
         ("interaction.volume_fraction", {"content", "orientation", "claims"}),
+        ("interaction.model", {"orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
         ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "claims"}),
         ("numerics.isotropic_angles", {"motion", "voids", "claims"}),

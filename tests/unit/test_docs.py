@@ -190,7 +190,7 @@ def test_every_parameter_in_text_exists() -> None:
         for key in re.findall(rf"`(?:-s )?((?:{tables})\.[a-z_]+)\b(?!\()", text):
             table, _, name = key.partition(".")
             # What is in backticks may be a file, or a name of the package of the table's name.
-            if key in KEYS or name in {"vtu", "py", "toml"}:
+            if key in KEYS or name in {"vtu", "vtp", "py", "toml"}:
                 continue
             assert table in {"fiber", "flow", "voids"}, f"{shown(path)}: {key}"
             is_module = importlib.util.find_spec(f"fibermelt.{key}") is not None

@@ -49,6 +49,7 @@ def cases() -> dict[str, xr.Dataset]:
         "usual": usual.merge(many),
         "gaps": gaps.merge(many.assign(orientation_violation=many["orientation_violation"] + 1e-3)),
         "other": other.merge(oriented(1, closure="hybrid", start="inlet")),
+        "model": usual.merge(oriented(4, model="rsc", kappa=0.1)),
     }
 
 
@@ -80,7 +81,7 @@ def test_same_results_give_the_same_files(
 
 
 @every_figure
-@pytest.mark.parametrize("which", ["usual", "gaps", "other"])
+@pytest.mark.parametrize("which", ["usual", "gaps", "other", "model"])
 def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
     plate: Plate, which: str, cases: dict[str, xr.Dataset]
 ) -> None:
@@ -104,7 +105,7 @@ def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
 
 
 @every_figure
-@pytest.mark.parametrize("which", ["usual", "gaps", "other"])
+@pytest.mark.parametrize("which", ["usual", "gaps", "other", "model"])
 def test_words_tell_numbers_and_are_no_leftovers(
     plate: Plate, which: str, cases: dict[str, xr.Dataset]
 ) -> None:
@@ -141,6 +142,19 @@ def test_what_is_amiss_is_told(cases: dict[str, xr.Dataset]) -> None:
     assert "leave [0, 1] by up to 1.0e-03" in _words("orientation", cases["gaps"])
     assert "polynomials are of 6" in _words("interaction", cases["other"])
     assert "closure hybrid" in _words("orientation-history", cases["other"])
+
+
+def test_the_model_is_named_and_a_distribution_that_is_not_known_is_not_drawn(
+    cases: dict[str, xr.Dataset],
+) -> None:
+    usual, other = (_words("orientation-history", cases[name]) for name in ("usual", "model"))
+    assert "Folgar-Tucker (C_I = 0.0128), closure ORE, standard convention" in usual
+    assert "RSC (C_I = 0.0128, kappa = 0.1), closure ORE, standard convention" in other
+    assert "distribution" in usual
+    assert "distribution" not in other
+    (plate,) = (one for one in FIGURES if one.name == "orientation-history")
+    panels = [len(plate.draw(cases[name]).axes) for name in ("usual", "model")]
+    assert panels == [3, 2]
 
 
 def test_an_angle_is_not_told_where_there_is_none(cases: dict[str, xr.Dataset]) -> None:

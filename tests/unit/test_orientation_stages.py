@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import MISSING, fields
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -17,20 +18,28 @@ from fibermelt.orientation.evolve import follow_orientation
 from fibermelt.orientation.flows import FLOWS
 from fibermelt.orientation.fokker_planck import follow_distribution, steady_distribution
 from fibermelt.orientation.interaction import bay, paper_domain_size, paper_preferred_angle
-from fibermelt.orientation.models import FolgarTucker
+from fibermelt.orientation.kinetics import CONVENTIONS
+from fibermelt.orientation.models import MODELS, FolgarTucker
 from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
 from fibermelt.study.bead.fiber import cell_stage
+from fibermelt.study.config.interaction import OWN, WITHOUT_COEFFICIENT, Interaction, ModelName
+from fibermelt.study.loading import merged, resolve
+from fibermelt.study.orientation.models import WRITTEN
 from fibermelt.study.orientation.stages import (
     DISTRIBUTION,
     content_stage,
     folgar_tucker,
+    orientation_estimates,
     orientation_stage,
     preferred_angle,
     stall_stage,
     stored_curve,
 )
+from fibermelt.study.orientation.summary import stored_model
 from fibermelt.study.stages import Parameters
+from fibermelt.study.sweep.axes import Axis
+from fibermelt.study.sweep.design import Sweep
 from fibermelt.study.variables import labelled
 
 XI = jeffery_factor(6.0)
@@ -87,6 +96,127 @@ def test_tensors_along_streamlines_are_those_of_direct_calls(
     assert found["orientation_convention"].item() == convention
     if start == "inlet":  # the first line's flow does not change: nor does its tensor
         np.testing.assert_allclose(found["orientation"][0], np.broadcast_to(first[0], (9, 3, 3)))
+
+
+GIVEN: dict[str, dict[str, float]] = {
+    "folgar-tucker": {},
+    "rsc": {"kappa": 0.1},
+    "ard-rsc": {"b1": 1.924e-4, "b2": 5.839e-3, "b3": 0.04, "b4": 1.168e-5, "kappa": 1 / 30},
+    "iard": {"anisotropy": 0.9},
+    "pard": {"anisotropy": 0.8},
+    "mrd": {"third": 0.2},
+    "nematic": {"potential": 0.03},
+    "jeffery": {},
+}
+"""A study of every model: what it says of it."""
+
+
+def _asked(name: str) -> tuple[Interaction, dict[str, Any]]:
+    """Return the table of a study with a model, and what its stage is given."""
+    table = Interaction.model_validate({"model": name, **GIVEN[name]})
+    return table, {key: getattr(table, key) for key in Interaction.model_fields}
+
+
+@pytest.mark.parametrize("convention", ["standard", "paper"])
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_of_a_study_is_that_of_direct_calls(name: str, convention: str) -> None:
+    lines = tiny()
+    table, given = _asked(name)
+    given["convention"] = convention
+    found = orientation_stage(parameters(**given), {"streamlines": lines}, quiet)
+    kind = MODELS[name]
+    shared = {"interaction": C_I, "convention": convention}
+    known = {one.name for one in fields(kind)}
+    model = kind(XI, **{key: value for key, value in shared.items() if key in known}, **GIVEN[name])
+    path = (lines["time"].to_numpy(), lines["gradient"].to_numpy())
+    direct = follow_orientation(model, CLOSURES["ORE"], path, isotropic())
+    assert np.array_equal(found["orientation"].to_numpy(), direct.a)
+    usual = FolgarTucker(XI, C_I * CONVENTIONS[convention])
+    other = follow_orientation(usual, CLOSURES["ORE"], path, isotropic())
+    is_other = np.abs(direct.a - other.a).max() > 1e-3
+    assert is_other == (name != "folgar-tucker")  # a stage that took Folgar-Tucker would be seen
+    written, interaction, own = stored_model(found)
+    assert (written, own) == (name, table.own)
+    assert interaction == (C_I if "interaction" in known else None)
+    assert ("orientation_convention" in found) == ("convention" in known)
+    assert ("closure_error" in found) == (name == "folgar-tucker")
+    told = [one.name for one in orientation_estimates(Parameters({}), found)]
+    judged = ["closure_exact_error"] if name == "folgar-tucker" else []
+    assert told == ["orientation_error", *judged]
+
+
+def test_a_study_has_every_model_with_its_own_parameters() -> None:
+    assert set(OWN) == set(MODELS) == set(get_args(ModelName)) == set(WRITTEN)
+    for name, kind in MODELS.items():
+        own = {
+            one.name: None if one.default is MISSING else one.default
+            for one in fields(kind)
+            if one.name not in {"shape_factor", "interaction", "convention"}
+        }
+        assert OWN[name] == own
+        assert (name in WITHOUT_COEFFICIENT) == ("interaction" not in kind.__dataclass_fields__)
+
+
+@pytest.mark.parametrize(
+    ("table", "line"),
+    [
+        (
+            {"kappa": 0.1},
+            'interaction.kappa = 0.1: is no parameter of interaction.model = "folgar-tucker", '
+            'which takes none: leave it away, or say interaction.model = "rsc" or "ard-rsc"',
+        ),
+        (
+            {"model": "rsc"},
+            'interaction.kappa: missing: interaction.model = "rsc" cannot do without; say it, such '
+            "as interaction.kappa = 0.1",
+        ),
+        ({"model": "rsc", "kappa": 0}, "interaction.kappa = 0: must be above 0"),
+        (
+            {"model": "pard", "anisotropy": 0.3},
+            'interaction.model = "pard": anisotropy = 0.3 must be in [0.5, 1]',
+        ),
+        (
+            {"model": "ard-rsc", "b1": 1e-3, "coefficient": 0.01},
+            'interaction.coefficient = 0.01: interaction.model = "ard-rsc" has no such '
+            "coefficient: it has b1, b2, b3, b4, b5, kappa in its place: leave it away",
+        ),
+        (
+            {"model": "ard-rsc", "b1": 1e-3, "b4": 0.01},
+            'interaction.model = "ard-rsc": along a direction of this flow the diffusion is -0.004',
+        ),
+        (
+            {"model": "jeffery", "start": "inlet"},
+            'interaction.start = "inlet": fibers that do not interact',
+        ),
+        ({"model": "isrc"}, 'interaction.model = "isrc": must be "folgar-tucker" or "rsc" or'),
+        ({"model": ["rsc"]}, 'interaction.model = ["rsc"]: must be'),
+    ],
+)
+def test_what_does_not_belong_to_a_model_is_one_line(table: dict[str, Any], line: str) -> None:
+    with pytest.raises(ConfigError) as refused:
+        resolve({"interaction": table})
+    assert str(refused.value).startswith(line)
+    assert "\n" not in str(refused.value)
+
+
+def test_another_model_begins_anew() -> None:
+    """What was said of one is not true of another; a sweep over models does the same."""
+    base = {"interaction": {"model": "rsc", "kappa": 0.1, "coefficient": 0.02}}
+    anew = merged(base, {"interaction": {"model": "mrd"}})
+    assert anew["interaction"] == {"model": "mrd", "coefficient": 0.02}
+    assert merged(base, {"interaction": {"model": "jeffery"}})["interaction"] == {
+        "model": "jeffery"
+    }
+    kept = merged(base, {"interaction": {"closure": "ORF"}})
+    assert kept["interaction"] == {**base["interaction"], "closure": "ORF"}
+    axis = Axis(("interaction.model",), (("rsc",), ("folgar-tucker",), ("mrd",)))
+    own = [case.config.interaction.own for case in Sweep(base, (axis,)).cases()]
+    assert own == [{"kappa": 0.1}, {}, {"first": 1.0, "second": 0.8, "third": 0.15}]
+
+
+def test_the_size_of_the_cell_is_folgar_and_tuckers_by_any_model() -> None:
+    _, given = _asked("ard-rsc")
+    assert content().identical(content(**given))
 
 
 def test_the_closure_is_judged_along_the_papers_streamline() -> None:

@@ -20,6 +20,7 @@ from stored_bead import stored_results, stored_summary
 from fibermelt.errors import StoreError
 from fibermelt.report import embed
 from fibermelt.report.account import _one, account
+from fibermelt.report.chapters import files
 from fibermelt.report.embed import _in_dots, embed_figures
 from fibermelt.report.figures import FIGURES, draw_figures
 from fibermelt.report.html import render
@@ -117,6 +118,13 @@ def test_it_refers_to_nothing_outside(page: str, read: Reader) -> None:
     assert "default-src 'none'" in str(policy)
 
 
+def test_what_lies_beside_it_is_a_click_away(page: str, results: xr.Dataset) -> None:
+    for name in ("results.nc", "summary.json", "config.toml", "flow.vtu", "export/"):
+        assert f'<a href="{name}">{name}</a>' in page
+    alone = results.assign_attrs(config='study.parts = ["orientation"]')
+    assert "flow.vtu" not in files(alone, {})  # no other part writes one
+
+
 def test_figures_stand_once_each_with_words_and_a_size(read: Reader, results: xr.Dataset) -> None:
     images = read.all("img")
     drawn = [plate for plate in FIGURES if plate.is_of(results)]
@@ -179,7 +187,7 @@ def test_sections_are_left_out_where_there_is_nothing_to_tell(results: xr.Datase
     bare = results.drop_vars([*results.variables]).assign_attrs(results.attrs)
     read = Reader(render(bare, {"schema": 1, "cost": {"orbits": 1.0}}).decode())
     sections = [section["id"] for section in read.all("section")]
-    assert sections == ["run", "cost", "versions", "sources"]
+    assert sections == ["run", "files", "cost", "versions", "sources"]
     assert not read.all("script")
     assert not read.all("img")
 
@@ -307,7 +315,10 @@ def test_sources_follow_what_ran() -> None:
         interaction={"closure": "ORF", "law": "phan-thien"},
     )
     assert {"cintra1995", "phanthien2002", "montgomerysmith2010"} <= other
-    assert not {"verweyst1998", "bay1991"} & other
+    assert not {"verweyst1998", "bay1991", "wang2008"} & other
+    assert {"wang2008", "phelps2009"} <= keys(
+        study={"parts": ["bead", "orientation"]}, interaction={"model": "ard-rsc", "b1": 1e-3}
+    )
     given = keys(study={"parts": ["interaction"]}, interaction={"coefficient": 0.01})
     assert "bay1991" not in given
     assert {"verweyst1998", "cintra1995", "chung2002", "carlson1979"} <= given

@@ -354,7 +354,7 @@ def test_each_figure_stands_once_and_where_it_belongs(bead: xr.Dataset) -> None:
 
 def test_what_is_not_stored_is_left_out(bead: xr.Dataset) -> None:
     found = {one.section.name for one in told(bead, stored_summary(bead, claims=False), {})}
-    assert found == {"numbers", "cost", "versions", "sources"}
+    assert found == {"numbers", "files", "cost", "versions", "sources"}
 
 
 def test_one_streamline_is_one_and_has_no_layers_to_compare(

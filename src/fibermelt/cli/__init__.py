@@ -11,6 +11,7 @@ from __future__ import annotations
 import typer
 
 from fibermelt.cli.checks import verify
+from fibermelt.cli.exports import export
 from fibermelt.cli.fibers import domain_size, orbit, orientation
 from fibermelt.cli.fields import fields
 from fibermelt.cli.plans import plan
@@ -32,7 +33,7 @@ app = typer.Typer(
 )
 app.callback()(options)
 COMMANDS = (
-    *(run, report, voids, fields, validate, defaults),
+    *(run, report, export, voids, fields, validate, defaults),
     *(plan, sweep, status, resume, collect, clean),
     *(orbit, orientation, domain_size),
     *(verify, version),

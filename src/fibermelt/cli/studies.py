@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -24,9 +22,6 @@ from fibermelt.cli.common import (
     told,
 )
 from fibermelt.errors import ConfigError, legible, legible_path
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["defaults", "run", "validate"]
 
@@ -49,7 +44,8 @@ def run(
     Progress goes to standard error, the numbers to standard output.
     """
     with told():
-        from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
+        from fibermelt.report.lazily import draw, render  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.study.chain import CHAIN  # noqa: PLC0415
         from fibermelt.study.loading import replaces_another  # noqa: PLC0415
         from fibermelt.study.parts import in_words  # noqa: PLC0415
         from fibermelt.study.progress import observing  # noqa: PLC0415
@@ -74,8 +70,8 @@ def run(
                     resolved,
                     folder,
                     CHAIN,
-                    draw=_draw,
-                    report=_report,
+                    draw=draw,
+                    report=render,
                     fresh=fresh,
                     observer=observer,
                 )
@@ -84,20 +80,6 @@ def run(
             raise typer.Exit(INTERRUPTED) from None
         words = in_words(summary, CHAIN, resolved, folder, columns())
         say(json.dumps(summary, indent=1) if as_json else words)
-
-
-def _draw(results: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw the figures: wired here, since the study does not know the report."""
-    from fibermelt.report.figures import draw_figures  # noqa: PLC0415  lazy, as in run
-
-    return draw_figures(results, folder)
-
-
-def _report(results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str, bytes]) -> bytes:
-    """Make the report, wired here for the same reason."""
-    from fibermelt.report.html import render  # noqa: PLC0415  lazy, as in run
-
-    return render(results, summary, drawn)
 
 
 def validate(

@@ -63,6 +63,7 @@ from fibermelt.fiber.spheroid import (
 )
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
+from fibermelt.shown import Shown
 
 __all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
 
@@ -74,8 +75,8 @@ MODELS: tuple[ModelName, ...] = get_args(ModelName)
 """The models by name."""
 
 
-@dataclass(frozen=True, eq=False)
-class FiberModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class FiberModel(Shown):
     """A fiber that can be followed through any planar flow, and some through any flow.
 
     Parameters
@@ -117,6 +118,11 @@ class FiberModel:
             )
             raise ConfigError(msg)
         return body
+
+    def told(self) -> dict[str, str]:
+        """Return which model it is, of which fiber, and in which melt."""
+        melt = "Newtonian" if self.thinning is None else "one that thins"
+        return {"model": self.name, **self.response.told(), "melt": melt}
 
     @property
     def turning(self) -> float | ThinningResponse:

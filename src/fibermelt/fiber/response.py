@@ -15,6 +15,7 @@ is the support function of the closed curve ``s -> (P_1, P_2)``: one angle decid
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,6 +28,7 @@ from fibermelt.fiber.checks import checked_number
 from fibermelt.fiber.curve import TrigonometricCurve
 from fibermelt.fiber.level_sets import LevelSets, level_sets
 from fibermelt.fiber.support import SupportFunction
+from fibermelt.shown import Shown
 
 __all__ = ["FiberResponse"]
 
@@ -39,8 +41,8 @@ FEWEST_SURFACE_POINTS = 16
 """Surface points below which not even the circle's ``cos 2s`` would have room to spare."""
 
 
-@dataclass(frozen=True, eq=False)
-class FiberResponse(Unchanging):
+@dataclass(frozen=True, eq=False, repr=False)
+class FiberResponse(Shown, Unchanging):
     """The linear response of a force- and torque-free fiber to the strain around it.
 
     Parameters
@@ -108,6 +110,18 @@ class FiberResponse(Unchanging):
                 "centred fiber see the same pressure"
             )
             raise ConfigError(msg)
+
+    def told(self) -> dict[str, str]:
+        """Return the fiber and how it answers."""
+        stall = self.stall_angle
+        return {
+            "aspect ratio": f"{self.aspect_ratio:.4g}",
+            "shape factor": f"{self.shape_factor:.5g}",
+            "tip pressure": f"{self.tip_pressure:.4g} mu gamma_dot",
+            "in simple shear": "it tumbles"
+            if stall is None
+            else f"it stalls at {math.degrees(stall):.2f} deg",
+        }
 
     @cached_property
     def curve(self) -> TrigonometricCurve:

@@ -15,7 +15,7 @@ Index = NDArray[np.int64]
 
 FARTHEST = 36.0
 """Square of a node's distance from the middle of its cells, in their own width, up to which a plane
-is led on to it: 12 in the corner of a box of two layers of bricks, 20 of tetrahedra. Beyond, the
+is led on to it: 12 in the corner of a box of two layers of bricks, 17 of tetrahedra. Beyond, the
 cells lie in one layer and say nothing of the slope across."""
 
 ROWS = 10_000

@@ -71,6 +71,13 @@ at a hundredth of it arrive, closed ones end."""
 SHORTEST = 1e-3
 """Way in diagonals of the field below which a line is no path: it begins where it ends."""
 
+DOUBTFUL = 0.5
+"""Part of the gradient that its error may be on a path that is trusted."""
+
+FAINT = 0.1
+"""Part of a path's largest gradient below which errors are held against that: elsewhere nothing
+happens to a fiber."""
+
 FLAT = 1e-9
 """Parts of the field's extent within which nodes lie in a plane: rounding."""
 
@@ -163,7 +170,8 @@ class FieldPath(Unchanging):
         Why it ends: the flow leaves the field, it comes to rest or runs into the boundary where
         nothing leaves, it comes to rest inside, its time is over.
     near_singularity : bool
-        Whether it passes where the field marks the gradient as one-sided or singular.
+        Whether it passes close by a sharp edge, or where the gradient's error is a part of the
+        gradient that says nothing of it any more (`DOUBTFUL`).
     """
 
     index: int
@@ -475,7 +483,7 @@ def trace_field(
             gradient_error=one["gradient_error"],
             divergence=_part(one["divergence"], one["gradient"]),
             end=edge.end(lines[k], REACH * rules.largest_step),
-            near_singularity=bool(np.any(one["near_wall"] > 0.5)),
+            near_singularity=_in_doubt(one),
         )
         for k, one in enumerate(met)
     )
@@ -490,7 +498,7 @@ class _Sampler:
         self.rate = np.sqrt(0.5) * np.linalg.norm(
             field.gradient + field.gradient.swapaxes(1, 2), axis=(1, 2)
         )
-        wanted = ("gradient_error", "divergence", "near_wall", *OPTIONAL)
+        wanted = ("gradient_error", "divergence", "near_edge", *OPTIONAL)
         self.names = [name for name in wanted if getattr(field, name) is not None]
         columns = [getattr(field, name) for name in self.names]
         self.table = np.column_stack([field.gradient.reshape(-1, 9), *columns])
@@ -540,6 +548,13 @@ def _history(met: dict[str, Array], law: ViscosityLaw | None) -> FlowHistory:
     if law is None or history.viscosity is not None:
         return history
     return replace(history, viscosity=np.asarray(law.viscosity_at(history.shear_rate)))
+
+
+def _in_doubt(met: dict[str, Array]) -> bool:
+    """Return whether the gradient along a path is singular or not known somewhere."""
+    size = np.linalg.norm(met["gradient"], axis=(1, 2))
+    lost = met["gradient_error"] > DOUBTFUL * np.maximum(size, FAINT * size.max())
+    return bool(np.any(met["near_edge"] > 0.5) or np.any(lost))
 
 
 def _part(trace: Array, gradient: Array) -> float:

@@ -19,6 +19,7 @@ from fibermelt.flow.tracing import Path, trace
 from fibermelt.history import FlowHistory
 from fibermelt.melt import ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
+from fibermelt.shown import Shown
 
 __all__ = ["Streamline", "inlet_seeds", "trace_streamlines"]
 
@@ -35,8 +36,8 @@ SETTLED_SPEED = 0.02
 """Zone 3 begins where the velocity stays within this part of the bed's speed of uniform."""
 
 
-@dataclass(frozen=True, eq=False)
-class Streamline:
+@dataclass(frozen=True, eq=False, repr=False)
+class Streamline(Shown):
     """One streamline, from the inlet to the outlet, in SI units.
 
     Parameters
@@ -70,6 +71,18 @@ class Streamline:
     near_singularity: bool
     middle_time: float
     zone_time: Array
+
+    def told(self) -> dict[str, str]:
+        """Return its number, flux, points and times."""
+        time = self.history.time
+        return {
+            "number": f"{self.index}",
+            "flux to its left": f"{100 * self.flux_fraction:.1f} %",
+            "points": f"{time.size}",
+            "time": f"{time[-1] - time[0]:.4g} s",
+            "gradient error": f"{self.gradient_error.max():.2g} 1/s",
+            "near a singular corner": "yes" if self.near_singularity else "no",
+        }
 
 
 def inlet_seeds(problem: Deposition, count: int) -> tuple[Array, Array]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Sequence
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,24 +13,42 @@ from numpy.typing import NDArray
 from fibermelt.errors import refuse_other
 from fibermelt.flow.field import FlowField
 
-__all__ = ["write_vtu"]
+__all__ = ["HEADER", "data_array", "spatial", "write_vtu"]
 
 LAGRANGE_TRIANGLE = 69
 """VTK's cell type: a triangle of any degree, its nodes in `FlowField`'s order."""
 
-TYPES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
+TYPES = {"float64": "Float64", "int64": "Int64", "int8": "Int8", "uint8": "UInt8"}
+
+HEADER = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
+"""What every VTK file of ours says of its arrays."""
 
 
-def _array(name: str, values: NDArray[np.generic]) -> str:
-    """Return a DataArray element, its values as base64 after their length in bytes (UInt64)."""
+def data_array(name: str, values: NDArray[np.generic], components: Sequence[str] = ()) -> str:
+    """Return a DataArray element, its values as base64 after their length in bytes (UInt64).
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    values : (n,) or (n, k) array
+        Its values, of a type in `TYPES`.
+    components : sequence of str
+        What each of the k components is called; numbers by default.
+    """
     data = np.ascontiguousarray(values)
+    data = data.astype(data.dtype.newbyteorder("<"), copy=False)
     payload = base64.b64encode(np.uint64(data.nbytes).tobytes() + data.tobytes()).decode()
-    width = f' NumberOfComponents="{values[0].size}"' if values.ndim > 1 else ""
+    width = f" NumberOfComponents={quoteattr(str(values[0].size))}" if values.ndim > 1 else ""
+    width += "".join(f" ComponentName{k}={quoteattr(one)}" for k, one in enumerate(components))
     kind = TYPES[data.dtype.name]
-    return f'<DataArray type="{kind}" Name="{name}"{width} format="binary">{payload}</DataArray>'
+    return (
+        f'<DataArray type="{kind}" Name={quoteattr(name)}{width} format="binary">'
+        f"{payload}</DataArray>"
+    )
 
 
-def _spatial(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def spatial(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return planar vectors (n, 2) with a zero third component: VTK knows three dimensions."""
     return np.column_stack([vectors, np.zeros(len(vectors))])
 
@@ -48,28 +68,27 @@ def write_vtu(field: FlowField, path: str | Path) -> None:
     gradient = np.zeros((len(field.points), 3, 3))
     gradient[:, :2, :2] = field.gradient
     point_data = [
-        _array("velocity", _spatial(field.velocity)),
-        _array("pressure", field.pressure),
-        _array("velocity_gradient", gradient.reshape(-1, 9)),
-        _array("shear_rate", field.shear_rate),
-        _array("viscosity", field.viscosity),
-        _array("stream_function", field.stream_function),
-        _array("velocity_gradient_error", field.gradient_error),
+        data_array("velocity", spatial(field.velocity)),
+        data_array("pressure", field.pressure),
+        data_array("velocity_gradient", gradient.reshape(-1, 9)),
+        data_array("shear_rate", field.shear_rate),
+        data_array("viscosity", field.viscosity),
+        data_array("stream_function", field.stream_function),
+        data_array("velocity_gradient_error", field.gradient_error),
     ]
     cells = [
-        _array("connectivity", field.cells.reshape(-1).astype(np.int64)),
-        _array("offsets", n_local * np.arange(1, n_cells + 1, dtype=np.int64)),
-        _array("types", np.full(n_cells, LAGRANGE_TRIANGLE, dtype=np.uint8)),
+        data_array("connectivity", field.cells.reshape(-1).astype(np.int64)),
+        data_array("offsets", n_local * np.arange(1, n_cells + 1, dtype=np.int64)),
+        data_array("types", np.full(n_cells, LAGRANGE_TRIANGLE, dtype=np.uint8)),
     ]
     lines = [
         '<?xml version="1.0"?>',
-        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
-        'header_type="UInt64"><UnstructuredGrid>',
+        f'<VTKFile type="UnstructuredGrid" {HEADER}><UnstructuredGrid>',
         f'<Piece NumberOfPoints="{len(field.points)}" NumberOfCells="{n_cells}">',
         '<PointData Scalars="pressure" Vectors="velocity">',
         *point_data,
         "</PointData><Points>",
-        _array("points", _spatial(field.points)),
+        data_array("points", spatial(field.points)),
         "</Points><Cells>",
         *cells,
         "</Cells></Piece></UnstructuredGrid></VTKFile>",

@@ -11,6 +11,7 @@ from markupsafe import Markup
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.tables import Column, number, short, table
 from fibermelt.study.config import Config, Melt
+from fibermelt.study.config.interaction import OWN
 from fibermelt.study.loading import resolve
 from fibermelt.study.parameters import Declaration, declarations, flatten
 from fibermelt.units import parse
@@ -23,8 +24,11 @@ __all__ = ["account", "parameters", "title_of"]
 KEY = ("flow", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
 
-CARDS = frozenset(f"melt.{name}" for name in Melt.model_fields)
-"""What a melt may have none of: constants of another law, which are not shown."""
+OF_OTHERS = frozenset(
+    [f"melt.{name}" for name in Melt.model_fields]
+    + [f"interaction.{name}" for own in OWN.values() for name in own]
+)
+"""What a study may have none of: constants of another law or model, which are not shown."""
 
 LONGEST_LIST = 5
 """Items of a list that are written out; of a longer one the first two, the last, and how many."""
@@ -133,7 +137,9 @@ def _table(
             _mark(item, values[item.key], defaults[item.key]),
         )
         for item in items
-        if values[item.key] is not None or defaults[item.key] is not None or item.key not in CARDS
+        if values[item.key] is not None
+        or defaults[item.key] is not None
+        or item.key not in OF_OTHERS
     ]
     return table(name.capitalize(), COLUMNS, rows)
 
@@ -152,6 +158,8 @@ def _value(item: Declaration, value: object) -> str:
     if not isinstance(value, tuple):
         return _one(item, value)
     items = [_one(item, one) for one in value]
+    if not items:
+        return "none"
     if len(items) <= LONGEST_LIST:
         return ", ".join(items)
     return f"{items[0]}, {items[1]}, …, {items[-1]} ({len(items)})"
@@ -173,6 +181,6 @@ def _one(item: Declaration, value: object) -> str:
 
 def _unit(item: Declaration) -> str:
     """Return the unit that the default is written in; the SI unit where it has none."""
-    written = item.written[0] if isinstance(item.written, list) else item.written
+    written = (item.written or [None])[0] if isinstance(item.written, list) else item.written
     written = item.example if written is None else written
     return str(written).partition(" ")[2] or item.unit if item.unit else ""

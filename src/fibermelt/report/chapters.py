@@ -16,7 +16,16 @@ from fibermelt.report.tables import Column, measured, number, sized, table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FLOW", "cost", "listed_sources", "listed_versions", "numbers", "sources", "versions"]
+__all__ = [
+    "FLOW",
+    "cost",
+    "files",
+    "listed_sources",
+    "listed_versions",
+    "numbers",
+    "sources",
+    "versions",
+]
 
 MM, MPA = 1e3, 1e-6
 """Millimetres in a metre, megapascals in a pascal."""
@@ -168,6 +177,29 @@ def cost(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         "<p>Wall time of each stage when it was computed; a reused stage is not in the total.</p>\n"
     )
     return note + table("Wall time", (Column("Stage", is_text=True), Column("Time", "s")), rows)
+
+
+BESIDE = (
+    ("results.nc", "", "every number of this page and all that is drawn, with units"),
+    ("summary.json", "", "the numbers that a script asks for"),
+    ("config.toml", "", "the study, with every default: it runs again to the same"),
+    ("flow.vtu", "bead", "the flow, for ParaView"),
+    ("export/", "", "after `fibermelt export`: tables (CSV), and streamlines for ParaView"),
+)
+"""What lies beside the page: its name, the part of a study that it is of, and what it is."""
+
+
+def files(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return links to what lies beside the page in its folder."""
+    del summary
+    parts = parameters(results)["study.parts"]
+    rows = [
+        (Markup('<a href="{0}">{0}</a>').format(name), what)
+        for name, part, what in BESIDE
+        if not part or part in parts
+    ]
+    columns = (Column("File", is_text=True), Column("What it is", is_text=True))
+    return table("Beside this page, in its folder", columns, rows)
 
 
 def versions(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:

@@ -50,7 +50,7 @@ def render(
     Returns
     -------
     bytes
-        HTML, UTF-8, that refers to no other file.
+        HTML, UTF-8, that needs no other file; it links to those that lie beside it.
 
     Raises
     ------

@@ -67,13 +67,14 @@ class Feature:
 def features(results: xr.Dataset) -> list[Feature]:
     """Return the marked streamlines: those of the study's ``streamlines.features`` that exist.
 
-    If none does, the paper's 4, 10 and 18 of 22, or those of another number of streamlines that
-    share the flux most nearly as these do. Beyond five, the first five.
+    If none does, or of a flow from elsewhere some do not, the paper's 4, 10 and 18 of 22, or those
+    of another number of streamlines that share the flux most nearly as these do. Beyond five, the
+    first five.
     """
     numbers = results["streamline"].to_numpy().tolist()
     asked = study_of(results).get("streamlines", {}).get("features", [])
     rows = [numbers.index(number) for number in dict.fromkeys(asked) if number in numbers]
-    if not rows:
+    if not rows or ("field_notes" in results and len(rows) < len(asked)):
         fraction = results["flux_fraction"].to_numpy()
         shares = [(number - 0.5) / PAPER_COUNT for number in FEATURES]
         rows = [int(np.argmin(np.abs(fraction - share))) for share in shares]

@@ -169,29 +169,35 @@ def _heights(axes: Axes, results: xr.Dataset) -> None:
 @styled
 def figure_tensor_history(results: xr.Dataset) -> Figure:
     """Draw the tensor along the marked streamlines in time, and the closure's error along one."""
-    figure = new_figure(FULL, 152)
-    first, second, third = (add_axes(figure, 13, bottom, 174, 38) for bottom in (104, 57, 10))
+    is_judged = "closure_error" in results
+    bottoms = (104, 57, 10) if is_judged else (57, 10)
+    figure = new_figure(FULL, bottoms[0] + 48)
+    panels = [add_axes(figure, 13, bottom, 174, 38) for bottom in bottoms]
+    first, second = panels[:2]
     marked = features(results)
     end = 1.03 * max(float(results["time"][f.row, -1]) for f in marked)
     _along(first, results, component_along(results))
     _along(second, results, tensors(results)[..., 2, 2])
-    _closures(third, results)
-    for axes, name, text in (
-        (first, "along the streamline", "a  component along the streamline"),
-        (second, "$a_{zz}$", "b  component across the plane of the flow"),
-        (third, "component", f"c  streamline {_number(results)}: closure and distribution"),
-    ):
+    told = [
+        ("along the streamline", "a  component along the streamline"),
+        ("$a_{zz}$", "b  component across the plane of the flow"),
+    ]
+    if is_judged:
+        _closures(panels[2], results)
+        told.append(("component", f"c  streamline {_number(results)}: closure and distribution"))
+    for axes, (name, text) in zip(panels, told, strict=True):
         axes.set_xlim(0.0, end)
         axes.set_ylim(0.0, 1.0)
         axes.yaxis.set_major_locator(MultipleLocator(0.25))
         axes.set_ylabel(name)
         axes.grid(axis="y", color=BAND, linewidth=0.4)
         letter(axes, text)
-    first.set_xticklabels([])
-    second.set_xticklabels([])
-    third.set_xlabel("time since the inlet [s]")
+    for axes in panels[:-1]:
+        axes.set_xticklabels([])
+    panels[-1].set_xlabel("time since the inlet [s]")
     first.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3, columnspacing=1.4)
-    third.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=5, columnspacing=1.4)
+    if is_judged:
+        panels[2].legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=5, columnspacing=1.4)
     return figure
 
 

@@ -11,6 +11,8 @@ from fibermelt.report.scene import MM
 from fibermelt.report.style import Words
 from fibermelt.report.tables import number, sized
 from fibermelt.report.tensors import angle_from, closure_row, component_along, tensors
+from fibermelt.study.orientation.models import model_in_words
+from fibermelt.study.orientation.summary import stored_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,13 +22,12 @@ __all__ = ["across_words", "history_words"]
 
 def _model(results: xr.Dataset) -> str:
     """Return what was integrated."""
-    closure = results["orientation_closure"].item()
-    convention = results["orientation_convention"].item()
     text = (
-        f"Folgar-Tucker with the closure {closure} and C_I = "
-        f"{float(results['orientation_interaction']):.4f} ({convention} convention), the error of "
-        f"the integration up to {float(results['orientation_error'].max()):.0e}"
+        f"{model_in_words(*stored_model(results))}, closure {results['orientation_closure'].item()}"
     )
+    if "orientation_convention" in results:
+        text += f", {results['orientation_convention'].item()} convention"
+    text += f", the error of the integration up to {float(results['orientation_error'].max()):.0e}"
     violation = float(results["orientation_violation"].max())
     if violation > 0.0:
         text += f"; eigenvalues leave [0, 1] by up to {violation:.1e}, as closures may"
@@ -66,27 +67,40 @@ def across_words(results: xr.Dataset) -> Words:
 def history_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_tensor_history`."""
     along = component_along(results)
-    row = closure_row(results)
-    time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
-    worst = int(np.argmax(error))
     told = "; ".join(
         f"on streamline {f.number} it reaches {along[f.row].max():.2f} and ends at "
         f"{along[f.row, -1]:.2f}"
         for f in features(results)
     )
+    panels, follows = "Two", ""
+    if "closure_error" in results:
+        panels = "Three"
+        error = float(results["closure_error"].max())
+        follows = f" The closure follows the distribution to within {error:.3f}."
     return Words(
         caption=(
             f"Orientation along the marked streamlines: {_model(results)}. (a) Component along the "
-            "streamline, (b) across the plane of the flow; dotted: isotropic; marks: zones 1 to 3. "
-            f"(c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
-            "and the distribution itself (dashed, Fokker-Planck, in error by up to "
-            f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
-            f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
-            f"{error[-1]:.3f} in the finished bead."
+            "streamline, (b) across the plane of the flow; dotted: isotropic; marks: zones 1 to 3."
+            f"{_judged(results)}"
         ),
         alt=(
-            "Three panels of curves over time. The component along the streamline rises on the "
-            f"way to the capillary and falls where the melt turns: {told}. The closure follows the "
-            f"distribution to within {error[worst]:.3f}."
+            f"{panels} panels of curves over time. The component along the streamline rises on the "
+            f"way to the capillary and falls where the melt turns: {told}.{follows}"
         ),
+    )
+
+
+def _judged(results: xr.Dataset) -> str:
+    """Return what panel c shows, where the distribution is known."""
+    if "closure_error" not in results:
+        return ""
+    row = closure_row(results)
+    time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
+    worst = int(np.argmax(error))
+    return (
+        f" (c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
+        "and the distribution itself (dashed, Fokker-Planck, in error by up to "
+        f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
+        f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
+        f"{error[-1]:.3f} in the finished bead."
     )

@@ -303,8 +303,8 @@ def path_extremes_words(results: xr.Dataset) -> Words:
             "Extremes of the surface pressure less the melt's own over the whole way, by path, for "
             f"fibers of {initial_angles(results)} (points; mean blue, median red). Wide band: the "
             "bounds over every orientation, from the mildest to the worst; narrow band: quantiles "
-            f"of an isotropic start. The points' spacing leaves an error of {short(error, 2)} MPa "
-            "at most, by every second point."
+            "of an isotropic start. The points' spacing and the gradient's error leave "
+            f"{short(error, 2)} MPa at most."
         ),
         alt=(
             "Two charts by path of extreme pressures on fibers less the melt's own: on the mean "

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.report.chapters import cost, numbers, sources, versions
+from fibermelt.report.chapters import cost, files, numbers, sources, versions
 from fibermelt.report.judged import claims, verification
 from fibermelt.report.risk import voids
 from fibermelt.report.single_fibers import dimensions, shear
@@ -121,6 +121,7 @@ SECTIONS = (
     Section("claims", "The paper's claims", "claims", claims),
     Section("numbers", "Numbers", "flow", numbers),
     Section("verification", "Verification", "check_name", verification),
+    Section("files", "Files", "", files),
     Section("cost", "Cost", "cost", cost),
     Section("versions", "Versions", "", versions),
     Section("sources", "Sources", "", sources),

@@ -100,6 +100,10 @@ def _law(name: str) -> Callable[[Mapping[str, Any]], bool]:
     return applies
 
 
+def _model(*names: str) -> Callable[[Mapping[str, Any]], bool]:
+    return lambda values: _has("orientation")(values) and values["interaction.model"] in names
+
+
 def _closure(*names: str) -> Callable[[Mapping[str, Any]], bool]:
     def applies(values: Mapping[str, Any]) -> bool:
         ran = {values["interaction.closure"]} if _interacting(values) else set()
@@ -120,6 +124,15 @@ USES = (
     ),
     Use("folgar1984", "diffusion of the orientation by interaction", _interacting),
     Use("advani1987", "orientation tensors", _interacting),
+    Use("wang2008", "eigenvalues of the orientation that change slower", _model("rsc", "ard-rsc")),
+    Use(
+        "phelps2009",
+        "anisotropic diffusion of the orientation",
+        _model("ard-rsc", "iard", "pard", "mrd"),
+    ),
+    Use("tseng2016", "the model iARD", _model("iard")),
+    Use("tseng2018", "the model pARD", _model("pard")),
+    Use("latz2010", "the nematic model", _model("nematic")),
     Use("bay1991", "the interaction coefficient from the content", _law("bay")),
     Use("phanthien2002", "the interaction coefficient from the content", _law("phan-thien")),
     Use("hand1962", "the linear closure", _closure("linear")),

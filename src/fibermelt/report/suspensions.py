@@ -10,6 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.report.tables import Column, fixed, folded, number, table
+from fibermelt.study.orientation.models import model_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,8 +26,8 @@ def content(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     words = Markup(
         "<p>Other fibers keep a fiber from tumbling. The paper has a cell do it instead: from the "
         "fiber content follows an interaction coefficient, from that the angle at which most "
-        "fibers lie in simple shear, and the cell is chosen so that a single fiber stalls at that "
-        "angle.</p>\n"
+        "fibers lie in simple shear, by Folgar and Tucker’s model, and the cell is chosen so that "
+        "a single fiber stalls at that angle.</p>\n"
     )
     angle = math.degrees(found["preferred_angle"])
     rows = [
@@ -90,18 +91,14 @@ def _curves(results: xr.Dataset) -> Markup:
 def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the orientation tensor in the finished bead by streamline, and the closure's error."""
     found = summary["orientation_tensor"]
-    closure = found["closure_error"]
     words = Markup(
         "<p>A tensor tells how fibers lie on average: a_xx is 1 where all lie along the bead and "
-        "1/3 where they lie every way. Closure {}, C_I = {}. Against the distribution itself on "
-        "streamline {} the closure is off by up to {}, and by {} in the bead; the integration by "
-        "{} at most, an estimate. {}</p>\n"
+        "1/3 where they lie every way. The model is {}, the closure {}. {} The integration is off "
+        "by {} at most, an estimate. {}</p>\n"
     ).format(
+        model_in_words(found["model"], found["interaction"], found["parameters"]),
         str(results["orientation_closure"].item()),
-        number(found["interaction"]),
-        closure["streamline"],
-        fixed(closure["largest"], 3),
-        fixed(closure["in_the_bead"], 3),
+        _judged(found["closure_error"]),
         number(found["error"], 2),
         f"Eigenvalues leave 0 to 1 by up to {number(found['violation'], 2)}."
         if found["violation"] > 0
@@ -129,6 +126,20 @@ def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     ]
     note = Markup("<p>* passes close to a singular corner.</p>\n") if any(near.values()) else ""
     return words + table("Orientation tensor at the outlet by streamline", columns, rows) + note
+
+
+def _judged(closure: Mapping[str, Any] | None) -> str:
+    """Return how far the closure is off, or that nothing tells."""
+    if closure is None:
+        return (
+            "What the closure costs is not told: the distribution itself is known for "
+            "Folgar-Tucker only."
+        )
+    return (
+        f"Against the distribution itself on streamline {closure['streamline']} the closure is off "
+        f"by up to {fixed(closure['largest'], 3)}, and by {fixed(closure['in_the_bead'], 3)} in "
+        "the bead."
+    )
 
 
 def _direction(a: Any) -> float:

@@ -94,7 +94,7 @@ _CONTENT_PARAMETERS = (
     "interaction.closure",
     "interaction.convention",
 )
-_ORIENTATION_PARAMETERS = (*_CONTENT_PARAMETERS, "interaction.start")
+_ORIENTATION_PARAMETERS = ("fiber.aspect_ratio", "interaction")
 
 
 def _from_content(values: Mapping[str, Value]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import secrets
 import shutil
 import socket
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -25,8 +25,11 @@ __all__ = [
     "made_name",
     "partial",
     "read_sealed",
+    "refuse_no_parent",
+    "remove",
     "remove_leftovers",
     "replace_file",
+    "replace_folder",
     "storage_errors",
     "write_sealed",
     "write_through",
@@ -200,6 +203,45 @@ def replace_file(path: Path, data: bytes) -> None:
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
+
+
+def replace_folder(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a folder under another name and rename it: nobody ever sees half of it.
+
+    Parameters
+    ----------
+    path : Path
+        Where to; what is there already goes once the new one is whole.
+    write : callable
+        Writes the folder that it is given the name of, which is not there yet.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be written; the old folder is still there then.
+    """
+    temporary, old = partial(path.parent), partial(path.parent)
+    with storage_errors(path):
+        try:
+            write(temporary)
+            if path.exists():
+                path.rename(old)
+            try:
+                temporary.rename(path)
+            except OSError:
+                if old.exists():
+                    old.rename(path)
+                raise
+        finally:
+            remove(temporary)
+            remove(old)
+
+
+def refuse_no_parent(path: Path) -> None:
+    """Refuse to write where there is no folder for it (`StoreError`)."""
+    if not path.parent.is_dir():
+        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
+        raise StoreError(msg)
 
 
 def remove_leftovers(folder: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib.resources import files
@@ -13,10 +13,13 @@ from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError, legible
 from fibermelt.study.config import Config
+from fibermelt.study.config.interaction import interacting
 from fibermelt.study.config.melt import melted
 from fibermelt.study.messages import explain
 from fibermelt.study.overrides import (
+    plain,
     read_overrides,
+    read_tables,
     read_varying,
     refuse_without_effect,
 )
@@ -26,6 +29,15 @@ from fibermelt.study.syntax import parse_toml, read_toml
 __all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
 
 _LONGEST_PATH = 200
+
+IN_PYTHON = "unnamed"
+"""The name of a study that has no file."""
+
+ANEW: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]] = {
+    "melt": melted,
+    "interaction": interacting,
+}
+"""What is left of a table under one that names another melt, law or model, by the table's name."""
 
 
 @dataclass(frozen=True)
@@ -65,17 +77,24 @@ def preset_names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in shipped if entry.is_file())
 
 
-def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = ()) -> Study:
+def load_study(
+    study: str | Mapping[str, Any],
+    overrides: Sequence[str] | Mapping[str, Any] = (),
+    over: Sequence[str] | Mapping[str, Any] = (),
+) -> Study:
     """Return a study, resolved and checked.
 
     Parameters
     ----------
-    study : str
-        The path of a TOML file, or the name of a shipped study.
-    overrides : sequence of str
-        ``"flow.gap=3.5 mm"`` and the like; they win over the file, and the file over its preset.
-    over : sequence of str
-        What varies besides or instead: ``"flow.gap=2.5 mm, 3 mm"`` is an entry of ``[sweep]``.
+    study : str or mapping
+        The path of a TOML file, or the name of a shipped study; or its tables, or keys as in
+        ``{"preset": "paper", "flow.gap": "3.5 mm"}``.
+    overrides : sequence of str, or mapping
+        ``"flow.gap=3.5 mm"`` and the like, or as ``study``; they win over the file, and the file
+        over its preset.
+    over : sequence of str, or mapping
+        What varies besides or instead: ``"flow.gap=2.5 mm, 3 mm"`` is an entry of ``[sweep]``, and
+        so is each of a mapping.
 
     Raises
     ------
@@ -83,14 +102,25 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
         If there is no such study, it is not TOML, or a parameter is wrong; one line for each
         fault, that names the key, the value, the bound and the way out.
     """
-    path = Path(study)
-    file = path if _is_study_file(path, study) else None
-    name, tables = (path.stem, read_toml(path)) if file else (study, _preset(study))
-    origin = path.name if file else f"preset {name}"
-    overriding = read_overrides(overrides)
+    file: Path | None = None
+    if isinstance(study, Mapping):
+        name, tables, origin = IN_PYTHON, read_tables(study), "tables in Python"
+    else:
+        path = Path(study)
+        file = path if _is_study_file(path, study) else None
+        name, tables = (path.stem, read_toml(path)) if file else (study, _preset(study))
+        origin = path.name if file else f"preset {name}"
+    if isinstance(overrides, Mapping):
+        overriding = [read_tables(overrides)] if overrides else []
+        overrides = [f"{key}={excerpt(value)}" for key, value in overrides.items()]
+    else:
+        overriding = read_overrides(overrides)
     for table in overriding:
         tables = merged(tables, table)
-    own = tuple(dict.fromkeys(key for table in ([tables] if file else overriding) for key in table))
+    is_preset = file is None and not isinstance(study, Mapping)
+    own = tuple(
+        dict.fromkeys(key for table in (overriding if is_preset else [tables]) for key in table)
+    )
     if (preset := tables.pop("preset", None)) is not None:
         if not isinstance(preset, str):
             msg = (
@@ -105,7 +135,11 @@ def load_study(study: str, overrides: Sequence[str] = (), over: Sequence[str] = 
     if sweep is not None and not isinstance(sweep, Mapping):
         msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
         raise ConfigError(msg)
-    varying = read_varying(over)
+    if isinstance(over, Mapping):
+        varying: dict[str, Any] = {key: plain(entry) for key, entry in over.items()}
+        over = list(varying)
+    else:
+        varying = read_varying(over)
     if varying:
         sweep = {**(sweep or {}), **varying}
         origin += ", over " + " and ".join(over)
@@ -206,13 +240,14 @@ def _lent(name: str) -> dict[str, Any]:
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """Return ``base`` with the keys of ``over``, table by table.
 
-    Another melt, or another law, begins anew: `fibermelt.study.config.melt.melted`.
+    Another melt, law or model of orientation begins anew: `ANEW`.
     """
     both = dict(base)
     for key, value in over.items():
         below = both.get(key)
         if isinstance(below, Mapping) and isinstance(value, Mapping):
-            both[key] = merged(melted(below, value) if key == "melt" else below, value)
+            left = ANEW[key](below, value) if key in ANEW else below
+            both[key] = merged(left, value)
         else:
             both[key] = value
     return both

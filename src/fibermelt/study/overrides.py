@@ -1,4 +1,4 @@
-"""What a person sets on the command line: ``-s KEY=VALUE`` and ``--over KEY=VALUES``.
+"""What a person sets: ``-s KEY=VALUE`` and ``--over KEY=VALUES``, and the same in Python.
 
 Neither has an order that anybody would rely on: what is told twice is refused, and so is what
 has no effect.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import PurePath
 from typing import Any
 
 from fibermelt.errors import ConfigError, legible
@@ -15,7 +16,7 @@ from fibermelt.study.parameters import excerpt
 from fibermelt.study.sweep.settings import SETTINGS
 from fibermelt.study.syntax import unreadable
 
-__all__ = ["read_overrides", "read_varying", "refuse_without_effect"]
+__all__ = ["plain", "read_overrides", "read_tables", "read_varying", "refuse_without_effect"]
 
 DEEPEST_KEY = 10
 """Parts of an overriding key that are read; no parameter has more than two."""
@@ -53,6 +54,70 @@ def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
             given[key] = value
         tables.append(table)
     return tables
+
+
+def read_tables(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables that a study's keys in Python stand for.
+
+    Parameters
+    ----------
+    given : mapping
+        Tables, ``{"flow": {"gap": "3.5 mm"}}``, or keys, ``{"flow.gap": "3.5 mm"}``, or both; a
+        number is in SI. The keys inside ``"sweep"`` stay as they are.
+
+    Raises
+    ------
+    ConfigError
+        If a key is no text, or is given twice: both of its values.
+    """
+    tables: dict[str, Any] = {}
+    for key, value in given.items():
+        _set(tables, _parts(key), plain(value), ())
+    return tables
+
+
+def _parts(key: object) -> Key:
+    path = tuple(part.strip() for part in key.split(".")) if isinstance(key, str) else ()
+    if not path or not all(path) or len(path) > DEEPEST_KEY:
+        msg = f'{excerpt(key)}: is no key of a study: write it as "flow.gap"'
+        raise ConfigError(msg)
+    return path
+
+
+def _set(tables: dict[str, Any], path: Key, value: object, above: Key) -> None:
+    """Put a value at a key into tables, a table's entries one by one."""
+    name, *rest = path
+    here = (*above, name)
+    if rest or (isinstance(value, dict) and not (above and above[0] == "sweep")):
+        inside = tables.setdefault(name, {})
+        if isinstance(inside, dict):
+            if rest:
+                _set(inside, tuple(rest), value, here)
+                return
+            for key, one in value.items():  # type: ignore[attr-defined]  # a table, see above
+                _set(inside, (key,) if here == ("sweep",) else _parts(key), one, here)
+            return
+    elif name not in tables:
+        tables[name] = value
+        return
+    msg = (
+        f"{_told(here)}: is given twice, as {excerpt(tables[name])} and as {excerpt(value)}: name "
+        "it once"
+    )
+    raise ConfigError(msg)
+
+
+def plain(value: object) -> object:
+    """Return a value as TOML has it: what numpy made as Python's numbers, a path as text."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(one) for one in value]
+    if isinstance(value, PurePath):
+        return str(value)
+    # Numbers and arrays of numpy, and whatever else is like them; numpy itself is not needed here.
+    as_list = getattr(value, "tolist", None)
+    return as_list() if callable(as_list) else value
 
 
 def _told(key: Key) -> str:

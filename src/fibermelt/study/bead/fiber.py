@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
+from fibermelt.errors import ConfigError
 from fibermelt.study.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
 from fibermelt.study.melt import law_of, viscosity_of
 from fibermelt.study.stages import Estimate, Inputs, Parameters, Say
@@ -247,6 +248,34 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
 
 
+def _refuse_in_plane(parameters: Parameters) -> None:
+    """Refuse fibers that are known in a plane only, where the flow is in space."""
+    model, directions = parameters["fiber.model"], parameters["fiber.directions"]
+    if model == "spheroid" and directions == "equal-area":
+        return
+    msg = (
+        f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
+        'and this fiber is known in a plane: say fiber.model = "spheroid" and fiber.directions = '
+        '"equal-area"'
+    )
+    raise ConfigError(msg)
+
+
+def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -> Any:
+    """Return what the gradient's error does to extremes (n_streamlines, ...) at most [Pa].
+
+    An error ``e`` of the gradient changes the strain's size ``d`` by at most ``e/sqrt(2)``, and
+    what it does to the fiber's direction counts for the rest of ``e``: of the lowest over every
+    orientation the pressure is off by as much as ``e`` is of ``d``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    size = np.maximum(0.5 * path.shear_rate, np.finfo(float).tiny)
+    error = np.abs(lowest) / size * lines["gradient_error"].to_numpy()
+    index = [np.searchsorted(time, at) for time, at in zip(path.time, when, strict=True)]
+    return np.stack([one[at] for one, at in zip(error, index, strict=True)])
+
+
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Follow the fibers along all streamlines, and find the pressure on their surfaces.
 
@@ -256,8 +285,11 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds  # noqa: PLC0415
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
     from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
+    from fibermelt.fiber.spatial import spatial_bounds  # noqa: PLC0415
 
     path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
+    if not path.planar:
+        _refuse_in_plane(parameters)
     viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
     lines = inputs["streamlines"]
     middle, zone_time = (
@@ -275,9 +307,15 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         followed = followed_in_space(parameters, path, model, middle, zone_time, say)
     if path.planar:
         followed.pop("extreme_z")
-    bounds = pressure_bounds(path, model.in_plane, viscosity)
+    if path.planar or model.spheroid is None:
+        bounds = pressure_bounds(path, model.in_plane, viscosity)
+    else:
+        bounds = spatial_bounds(path, model.spheroid, viscosity)
     if model.spheroid is not None and model.thinning is None:
         say(f"{count} directions of an isotropic start")
+    if "gradient_error" in lines:
+        at = followed["extreme_time"]
+        followed["extreme_error"] += _by_gradient(lines, path, bounds.lowest, at)
     isotropic = model.isotropic_pressure(
         path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
     )

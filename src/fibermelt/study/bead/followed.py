@@ -161,7 +161,7 @@ def followed_in_space(
     if model.spheroid is None:
         msg = f'fiber.directions = "equal-area" with fiber.model = "{model.name}"'
         raise ConfigError(msg)
-    start = half_sphere(parameters["fiber.direction_count"])
+    start = half_sphere(parameters["fiber.direction_count"], planar=path.planar)
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(start)} directions on {len(path.lines)} streamlines")
     spheroid, viscosity = model.spheroid, viscosity_of(parameters)

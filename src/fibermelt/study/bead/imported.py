@@ -30,7 +30,9 @@ FIELD_VALUES = (
     "gradient_error",
     "divergence",
     "near_wall",
+    "near_edge",
 )
+FLAGS = ("field_near_wall", "field_near_edge")
 OPTIONAL = ("pressure", "viscosity", "temperature")
 
 
@@ -49,7 +51,8 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     for note in field.notes:
         say(note)
     arrays = {f"field_{name}": np.asarray(getattr(field, name)) for name in FIELD_VALUES}
-    arrays["field_near_wall"] = arrays["field_near_wall"].astype(np.int8)
+    for name in FLAGS:
+        arrays[name] = arrays[name].astype(np.int8)
     known = [name for name in OPTIONAL if getattr(field, name) is not None]
     return labelled(
         {
@@ -66,7 +69,7 @@ def stored_field(data: xr.Dataset) -> Field:
     from fibermelt.fields.field import Field  # noqa: PLC0415  lazy: see the module
 
     values: dict[str, Any] = {name: data[f"field_{name}"].to_numpy() for name in FIELD_VALUES}
-    values["near_wall"] = values["near_wall"] != 0
+    values |= {name: values[name] != 0 for name in ("near_wall", "near_edge")}
     optional: dict[str, Any] = {
         name: data[f"field_{name}"].to_numpy() if f"field_{name}" in data else None
         for name in OPTIONAL

@@ -40,6 +40,9 @@ ENDS = {
 MOST_NOTES = 4
 """Faults of paths that the words tell: more are in the summary."""
 
+LONGEST_FIBER = 0.1
+"""Length of a fiber over that on which the gradient changes, as in `fibermelt.study.notes`."""
+
 MOST_NAMED = 12
 """Streamlines that the words list by their numbers: more do not fit on a line."""
 
@@ -112,7 +115,8 @@ def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
 
     The gradient's error is the median along the path over the median rate; the divergence what was
     taken out of the gradient, None where nothing was; the consistency what ``dx/dt = u`` or
-    ``du/dt = L u`` misses.
+    ``du/dt = L u`` misses; the fiber's scale its length over that on which the gradient changes by
+    its largest.
     """
     import numpy as np  # noqa: PLC0415  as in _extremes
 
@@ -126,6 +130,7 @@ def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
     trace: list[float | None] = [None] * len(time)
     if "path_divergence" in results:
         trace = results["path_divergence"].to_numpy().tolist()
+    scale = _fiber_scale(results)
     return [
         {
             "index": int(results["streamline"][k]),
@@ -133,11 +138,28 @@ def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
             "gradient_error": error[k],
             "divergence": trace[k],
             "consistency": float(results["path_consistency"][k]),
+            "fiber_scale": scale[k],
             "end": str(results["path_end"][k].item()),
             "told": [note for note in str(results["path_notes"][k].item()).split("; ") if note],
         }
         for k in range(len(time))
     ]
+
+
+def _fiber_scale(results: xr.Dataset) -> list[float]:
+    """Return ``2 a max |dL/ds| / max |L|`` of each path [-]: how far a fiber outgrows its model."""
+    import numpy as np  # noqa: PLC0415  as in _extremes
+
+    names = [name for name in "xyz" if name in results]
+    place = np.stack([results[name].transpose("streamline", "point") for name in names], axis=-1)
+    L = results["gradient"].transpose("streamline", "point", "row", "column").to_numpy()
+    size = np.linalg.norm(L, axis=(-2, -1)).max(axis=-1)
+    way = np.maximum(np.linalg.norm(np.diff(place, axis=1), axis=-1), np.finfo(float).tiny)
+    change = np.linalg.norm(np.diff(L, axis=1), axis=(-2, -1)) / way
+    moving = np.isfinite(change) & (size[:, None] > 0.0)
+    length = 2.0 * float(study_of(results)["fiber"]["half_length"])
+    steepest = np.where(moving, change, 0.0).max(axis=-1)
+    return [float(value) for value in length * steepest / np.where(size > 0.0, size, 1.0)]
 
 
 def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
@@ -293,7 +315,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
             f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
             f"streamline {worst['streamline']}"
         )
-    return lines + _left_out(flagged, of=len(summary["streamlines"]))
+    return lines + _left_out(flagged, of=len(summary["streamlines"])) + _long(summary)
 
 
 def _bead(flow: Mapping[str, Any]) -> list[str]:
@@ -332,6 +354,26 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[str]:
     return [
         f"                as the melt thins {told[0]} up to {slow:.2g} 1/s, {told[1]} "
         f"from {fast:.2g} 1/s"
+    ]
+
+
+def _long(summary: Mapping[str, Any]) -> list[str]:
+    """Return the line on fibers that are long beside what the gradient changes over."""
+    flagged = [line["near_singularity"] for line in summary["streamlines"]]
+    found = [
+        path
+        for path, near in zip(summary["paths"], flagged, strict=True)
+        if not near and path["fiber_scale"] > LONGEST_FIBER
+    ]
+    if not found:
+        return []
+    worst = max(found, key=lambda path: float(path["fiber_scale"]))
+    which = ", ".join(str(path["index"]) for path in found[:MOST_NAMED])
+    which += ", ..." if found[MOST_NAMED:] else ""
+    return [
+        f"fiber's length  {worst['fiber_scale']:.2g} of that over which the gradient changes on "
+        f"streamline {worst['index']}; above {LONGEST_FIBER:g} on {which}: what a fiber feels "
+        "there is only roughly that of its middle"
     ]
 
 

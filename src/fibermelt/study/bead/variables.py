@@ -66,6 +66,7 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "field_viscosity": ("field_node", "Pa s", "viscosity that the file has"),
     "field_temperature": ("field_node", "K", "temperature"),
     "field_near_wall": ("field_node", "1", "whether the gradient is one-sided or near an edge"),
+    "field_near_edge": ("field_node", "1", "whether a sharp edge is near"),
     # The streamlines.
     "time": (_PATH, "s", "time since the inlet"),
     "x": (_PATH, "m", "x along the streamline, from the nozzle's axis"),
@@ -156,7 +157,11 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "extreme_x": (_EXTREME, "m", "x of the extreme"),
     "extreme_y": (_EXTREME, "m", "y of the extreme"),
     "extreme_z": (_EXTREME, "m", "z of the extreme"),
-    "extreme_error": (_EXTREME, "Pa", "estimated error of the extreme, by the points' spacing"),
+    "extreme_error": (
+        _EXTREME,
+        "Pa",
+        "estimated error of the extreme, by the points' spacing and the gradient's",
+    ),
     "extreme_time": (_EXTREME, "s", "time of the extreme"),
     "extreme_pressure": (_EXTREME, "Pa", "pressure at the extreme above the surrounding air's"),
     "extreme_angle": (_EXTREME, "rad", "angle of the fiber to the streamline at the extreme"),

@@ -5,8 +5,10 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.study.config.interaction import OWN, WITHOUT_COEFFICIENT
+from fibermelt.study.orientation.models import build_model, model_in_words
 from fibermelt.study.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.study.variables import labelled
 
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fibermelt.fiber.stall_data import StallCurve
-    from fibermelt.orientation.models import FolgarTucker
+    from fibermelt.orientation.models import FolgarTucker, OrientationModel
 
     Array = NDArray[np.float64]
 
@@ -97,10 +99,8 @@ def interaction_coefficient(
 
 def folgar_tucker(aspect_ratio: float, interaction: float, convention: Any) -> FolgarTucker:
     """Return the Folgar-Tucker model of a fiber; its shape factor is Jeffery's."""
-    from fibermelt.fiber.shape import jeffery_factor  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.models import FolgarTucker  # noqa: PLC0415
-
-    return FolgarTucker(jeffery_factor(aspect_ratio), interaction, convention=convention)
+    model = build_model("folgar-tucker", aspect_ratio, interaction, convention, {})
+    return cast("FolgarTucker", model)
 
 
 def rotary_diffusivity(model: FolgarTucker, gradient: Array) -> Array:
@@ -134,6 +134,7 @@ def preferred_angle(model: FolgarTucker, closure: str) -> float:
 def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Follow the paper's section 2.5: content, interaction, preferred angle, size of the cell.
 
+    The suspension is Folgar and Tucker's, whatever model the tensors follow along the streamlines.
     The cell is the one in which a single fiber stalls at the preferred angle of its suspension.
     """
     from fibermelt.orientation.interaction import regime  # noqa: PLC0415  lazy: see the module
@@ -161,45 +162,61 @@ def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datase
 
 
 def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
-    """Follow the orientation tensor along every streamline, and the distribution along one."""
+    """Follow the orientation tensor along every streamline, and the distribution along one.
+
+    The distribution is known for isotropic diffusion only: beside Folgar and Tucker's model.
+    """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     from fibermelt.orientation.closures import closure as named  # noqa: PLC0415
     from fibermelt.orientation.evolve import follow_orientation  # noqa: PLC0415
+    from fibermelt.orientation.models import FolgarTucker  # noqa: PLC0415
 
     lines = inputs["streamlines"]
     time, gradient = lines["time"].to_numpy(), lines["gradient"].to_numpy()
-    aspect_ratio = parameters["fiber.aspect_ratio"]
-    interaction = interaction_coefficient(
-        parameters["interaction.coefficient"],
-        parameters["interaction.law"],
-        parameters["interaction.volume_fraction"],
-        aspect_ratio,
+    aspect_ratio, name = parameters["fiber.aspect_ratio"], parameters["interaction.model"]
+    interaction = (
+        None
+        if name in WITHOUT_COEFFICIENT
+        else interaction_coefficient(
+            parameters["interaction.coefficient"],
+            parameters["interaction.law"],
+            parameters["interaction.volume_fraction"],
+            aspect_ratio,
+        )
     )
-    model = folgar_tucker(aspect_ratio, interaction, parameters["interaction.convention"])
+    own = {name: parameters[f"interaction.{name}"] for name in OWN[name]}
+    model = build_model(name, aspect_ratio, interaction, parameters["interaction.convention"], own)
     closure = named(parameters["interaction.closure"])
     start = _start(parameters["interaction.start"], model, gradient[:, 0], closure)
-    say(f"C_I = {interaction:.5f}, closure {closure.name}, {len(time)} streamlines")
+    told = model_in_words(name, interaction, own)
+    say(f"{told}, closure {closure.name}, {len(time)} streamlines")
     found = follow_orientation(model, closure, (time, gradient), start)
-    center = int(np.argmin(np.abs(lines["flux_fraction"].to_numpy() - CENTER_FRACTION)))
-    say("the distribution itself, along the center streamline")
-    enters = parameters["interaction.start"]
-    exact, exact_error = _distribution(model, time[center], gradient[center], enters)
-    difference = np.abs(found.a[center] - exact)
-    return labelled(
-        {
-            "orientation": found.a,
-            "orientation_error": found.error,
-            "orientation_violation": found.violation,
-            "orientation_interaction": interaction,
-            "orientation_closure": closure.name,
-            "orientation_convention": model.convention,
+    variables: dict[str, Any] = {
+        "orientation": found.a,
+        "orientation_error": found.error,
+        "orientation_violation": found.violation,
+        "orientation_model": name,
+        "orientation_closure": closure.name,
+    }
+    if own:
+        variables |= {"model_parameter": list(own), "orientation_parameter": list(own.values())}
+    if interaction is not None:
+        variables["orientation_interaction"] = interaction
+    if hasattr(model, "convention"):
+        variables["orientation_convention"] = model.convention
+    if type(model) is FolgarTucker:
+        center = int(np.argmin(np.abs(lines["flux_fraction"].to_numpy() - CENTER_FRACTION)))
+        say("the distribution itself, along the center streamline")
+        enters = parameters["interaction.start"]
+        exact, exact_error = _distribution(model, time[center], gradient[center], enters)
+        variables |= {
             "closure_streamline": int(lines["streamline"][center]),
             "closure_exact": exact,
             "closure_exact_error": exact_error,
-            "closure_error": difference.max(axis=(-2, -1)),
+            "closure_error": np.abs(found.a[center] - exact).max(axis=(-2, -1)),
         }
-    )
+    return labelled(variables)
 
 
 def orientation_estimates(parameters: Parameters, found: xr.Dataset) -> tuple[Estimate, ...]:
@@ -207,6 +224,7 @@ def orientation_estimates(parameters: Parameters, found: xr.Dataset) -> tuple[Es
     return tuple(
         Estimate(name, float(found[name].max()), TENSOR_BOUND, WAY_OUT)
         for name in ("orientation_error", "closure_exact_error")
+        if name in found
     )
 
 
@@ -214,7 +232,7 @@ CENTER_FRACTION = 9.5 / 22
 """Share of the flux left of the paper's streamline 10, on which closures are told by."""
 
 
-def _start(name: str, model: FolgarTucker, first: Array, closure: Any) -> Array:
+def _start(name: str, model: OrientationModel, first: Array, closure: Any) -> Array:
     """Return the tensors with which fibers enter, one for each streamline."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 

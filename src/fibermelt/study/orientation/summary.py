@@ -6,12 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.orientation.models import model_in_words
+
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
     "interaction_in_words",
     "orientation_in_words",
+    "stored_model",
     "summarize_interaction",
     "summarize_orientation",
 ]
@@ -74,6 +77,23 @@ def interaction_in_words(summary: Mapping[str, Any]) -> list[str]:
     ]
 
 
+def stored_model(results: xr.Dataset) -> tuple[str, float | None, dict[str, float]]:
+    """Return the model that tensors follow: its name, ``C_I`` where it has one, and the rest.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        As in results.nc.
+    """
+    interaction = results.get("orientation_interaction")
+    own = {}
+    if "model_parameter" in results:
+        names = results["model_parameter"].to_numpy().tolist()
+        own = dict(zip(names, results["orientation_parameter"].to_numpy().tolist(), strict=True))
+    name = str(results["orientation_model"].item())
+    return name, None if interaction is None else float(interaction), own
+
+
 def summarize_orientation(results: xr.Dataset) -> dict[str, Any]:
     """Return what summary.json says of the orientation along the streamlines.
 
@@ -85,15 +105,20 @@ def summarize_orientation(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``{"orientation_tensor": {...}}``: the interaction coefficient, the estimated error of the
-        integration and the largest excess of an eigenvalue over [0, 1], the tensor in the finished
-        bead by streamline, and the closure's largest error along one of them.
+        ``{"orientation_tensor": {...}}``: the model with its parameters, the interaction
+        coefficient (None where the model has none), the estimated error of the integration and the
+        largest excess of an eigenvalue over [0, 1], the tensor in the finished bead by streamline,
+        and the closure's largest error along one of them (None where the distribution is not
+        known: for any model but Folgar and Tucker's).
     """
+    model, interaction, own = stored_model(results)
     tensor = results["orientation"].transpose("streamline", "point", "axis", "other_axis")
     last = tensor.to_numpy()[:, -1]
     return {
         "orientation_tensor": {
-            "interaction": float(results["orientation_interaction"]),
+            "model": model,
+            "parameters": own,
+            "interaction": interaction,
             "error": float(results["orientation_error"].max()),
             "violation": float(results["orientation_violation"].max()),
             "in_the_bead": [
@@ -104,7 +129,9 @@ def summarize_orientation(results: xr.Dataset) -> dict[str, Any]:
                 "streamline": int(results["closure_streamline"]),
                 "largest": float(results["closure_error"].max()),
                 "in_the_bead": float(results["closure_error"][-1]),
-            },
+            }
+            if "closure_error" in results
+            else None,
         }
     }
 
@@ -114,11 +141,13 @@ def orientation_in_words(summary: Mapping[str, Any]) -> list[str]:
     found = summary["orientation_tensor"]
     along = [one["a"][0][0] for one in found["in_the_bead"]]
     closure = found["closure_error"]
-    lines = [
-        f"orientation     a_xx in the bead {min(along):.3f} to {max(along):.3f}; the closure is "
-        f"off by up to {closure['largest']:.3f} on streamline {closure['streamline']}, "
-        f"{closure['in_the_bead']:.3f} in the bead"
-    ]
+    model = model_in_words(found["model"], found["interaction"], found["parameters"])
+    lines = [f"orientation     a_xx in the bead {min(along):.3f} to {max(along):.3f}, by {model}"]
+    if closure is not None:
+        lines[0] += (
+            f"; the closure is off by up to {closure['largest']:.3f} on streamline "
+            f"{closure['streamline']}, {closure['in_the_bead']:.3f} in the bead"
+        )
     if found["violation"] > 0:
         lines.append(f"                eigenvalues leave [0, 1] by up to {found['violation']:.1e}")
     return lines

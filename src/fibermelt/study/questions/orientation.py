@@ -11,6 +11,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError, legible
+from fibermelt.study.orientation.models import build_model
 from fibermelt.study.orientation.stages import DISTRIBUTION, rotary_diffusivity
 
 if TYPE_CHECKING:
@@ -142,8 +143,7 @@ def check_closure(name: str) -> None:
 
 def _model(study: OrientationStudy) -> OrientationModel:
     """Return the model that a study names, with all that it takes and nothing else."""
-    from fibermelt.fiber.shape import jeffery_factor  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.interaction import checked_interaction  # noqa: PLC0415
+    from fibermelt.orientation.interaction import checked_interaction  # noqa: PLC0415  lazy, as above
     from fibermelt.orientation.models import model_class  # noqa: PLC0415
 
     kind = model_class(study.model)
@@ -157,14 +157,10 @@ def _model(study: OrientationStudy) -> OrientationModel:
             "tumble on and on, in elongation all come to lie along it; take another model"
         )
         raise ConfigError(msg)
-    given: dict[str, Any] = {
-        "shape_factor": jeffery_factor(study.aspect_ratio),
-        "convention": study.convention,
-    }
     if ("interaction" in names) != (study.interaction is not None):
         raise ConfigError(_one_too_many_or_few(study, names))
     if study.interaction is not None:
-        given["interaction"] = checked_interaction(study.interaction)
+        checked_interaction(study.interaction)
     own = [one for one in fields(kind) if one.name not in SHAPE]
     known = [one.name for one in own]
     if unknown := [name for name in study.parameters if name not in known]:
@@ -176,7 +172,9 @@ def _model(study: OrientationStudy) -> OrientationModel:
         wanted = " ".join(f"--parameter {name}=..." for name in missing)
         msg = f"--model {study.model}: takes {', '.join(known)} besides: add {wanted}"
         raise ConfigError(msg)
-    return kind(**given, **study.parameters)
+    return build_model(
+        study.model, study.aspect_ratio, study.interaction, study.convention, study.parameters
+    )
 
 
 def _one_too_many_or_few(study: OrientationStudy, names: Sequence[str]) -> str:

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError, StoreError, legible
 from fibermelt.study.config import Config
-from fibermelt.study.files import partial, remove, replace_file, storage_errors
+from fibermelt.study.files import (
+    refuse_no_parent,
+    replace_file,
+    replace_folder,
+    storage_errors,
+)
 from fibermelt.study.netcdf import to_bytes
 from fibermelt.study.parameters import Declaration, declarations
 from fibermelt.study.schema import SCHEMA
@@ -92,7 +97,7 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     StoreError
         If it cannot be written, its folder is not there, or a file is that holds something else.
     """
-    _refuse_no_parent(path)
+    refuse_no_parent(path)
     with storage_errors(path):
         if path.exists() and _start_of(path, len(HDF5)) != HDF5:
             msg = f"{path}: is there and no dataset; it is not overwritten: name another with --to"
@@ -111,7 +116,7 @@ def write_csv(dataset: xr.Dataset, path: Path) -> None:
     StoreError
         If it cannot be written, its folder is not there, or a file is that holds something else.
     """
-    _refuse_no_parent(path)
+    refuse_no_parent(path)
     with storage_errors(path):
         if path.exists() and not _is_table(path):
             msg = (
@@ -142,26 +147,17 @@ def write_zarr(dataset: xr.Dataset, path: Path) -> None:
             "netCDF"
         )
         raise ConfigError(msg)
-    _refuse_no_parent(path)
-    temporary, old = partial(path.parent), partial(path.parent)
+    refuse_no_parent(path)
     with storage_errors(path):
         if path.exists() and not any((path / name).is_file() for name in ZARR):
             msg = f"{path}: is there and no Zarr; it is not overwritten: name another with --to"
             raise StoreError(msg)
-        try:
-            # Format 3 has no settled way to store texts, as zarr warns.
-            dataset.to_zarr(temporary, mode="w", consolidated=True, zarr_format=2)
-            if path.exists():
-                path.rename(old)
-            try:
-                temporary.rename(path)
-            except OSError:
-                if old.exists():
-                    old.rename(path)
-                raise
-        finally:
-            remove(temporary)
-            remove(old)
+
+    def write(folder: Path) -> None:
+        # Format 3 has no settled way to store texts, as zarr warns.
+        dataset.to_zarr(folder, mode="w", consolidated=True, zarr_format=2)
+
+    replace_folder(path, write)
 
 
 def _is_table(path: Path) -> bool:
@@ -173,12 +169,6 @@ def _is_table(path: Path) -> bool:
 def _start_of(path: Path, count: int) -> bytes:
     with path.open("rb") as stream:
         return stream.read(count)
-
-
-def _refuse_no_parent(path: Path) -> None:
-    if not path.parent.is_dir():
-        msg = f"{path}: there is no folder {path.parent}; make it, or name another with --to"
-        raise StoreError(msg)
 
 
 def _numbers(cases: CaseStore, results: Sequence[str]) -> Found:

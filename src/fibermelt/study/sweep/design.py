@@ -26,6 +26,7 @@ from pydantic import ValidationError
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
+from fibermelt.study.config.interaction import interacting
 from fibermelt.study.files import canonical, digest
 from fibermelt.study.loading import resolve
 from fibermelt.study.melt import values_of
@@ -189,10 +190,16 @@ class Sweep:
         return {name: getattr(config, name) for name in type(config).model_fields}
 
     def _case(self, index: int, set_: Mapping[str, Any]) -> Case:
-        written: dict[str, dict[str, Any]] = {}
+        varied: dict[str, dict[str, Any]] = {}
         for key, value in set_.items():
             section, _, name = key.partition(".")
-            written.setdefault(section, dict(self.tables.get(section, {})))[name] = value
+            varied.setdefault(section, {})[name] = value
+        written = {}
+        for section, values in varied.items():
+            below = self.tables.get(section, {})
+            # What the study says of its own model is not true of another that is varied over.
+            left = interacting(below, values) if section == "interaction" else below
+            written[section] = {**left, **values}
         try:
             config = Config.model_validate({**self._sections, **written})
         except ValidationError:

@@ -259,7 +259,7 @@ def written_in(about: Declaration) -> Scale:
     """
     if not about.unit:
         return Scale("")
-    written = about.written[0] if isinstance(about.written, list) else about.written
+    written = (about.written or [None])[0] if isinstance(about.written, list) else about.written
     unit = str(about.example if written is None else written).partition(" ")[2] or about.unit
     # Degrees Celsius have a zero of their own.
     zero, one = (parse(f"{count} {unit}", about.unit) for count in (0, 1))
