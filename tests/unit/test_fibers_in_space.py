@@ -267,7 +267,7 @@ def test_what_happens_lies_within_the_bounds() -> None:
     path = spatial()
     for name, fiber in (("spheroid", Ellipse(1.0, RATIO)), ("ellipsoid", Ellipsoid(TRIAXIAL))):
         model = unbounded_model(name, fiber)
-        motion = model.follow_in_space(path, 30)
+        motion = model.follow_in_space(path, model.directions(30, planar=False))
         pressure = spatial_pressure(path, model.in_space, VISCOSITY, motion)
         bounds = model.bounds(path, VISCOSITY)
         slack = ROUNDING * np.max(bounds.highest)
@@ -339,7 +339,7 @@ def test_what_is_refused() -> None:
         follow(path, 0.9, [0.0])
     ellipse = unbounded_model("ellipse", Ellipse(1.0, RATIO))
     with pytest.raises(ConfigError, match="a cylinder across the flow"):
-        ellipse.follow_in_space(path, 3)
+        ellipse.follow_in_space(path, equal_area_directions(3))
     with pytest.raises(ConfigError, match="must fall from the first to the third"):
         unbounded_model("ellipsoid", Ellipsoid((1.0, 2.0, 3.0)))
     with pytest.raises(ConfigError, match="must be Ellipsoid"):

@@ -109,7 +109,7 @@ class FiberModel(Shown):
             If it has none.
         """
         body = self.ellipsoid or self.spheroid
-        if body is None or self.thinning is not None:
+        if body is None or not self.has_directions:
             why = "in a melt that thins" if body is not None else "a cylinder across the flow"
             msg = (
                 f'fiber.model = "{self.name}": {why} it has no direction out of the plane: take '
@@ -134,19 +134,42 @@ class FiberModel(Shown):
         """Return its answer in the plane of the flow, in its melt."""
         return self.response if self.thinning is None else self.thinning
 
-    def follow_in_space(
-        self, path: FlowHistory, count: int, tolerance: float = ANGLE_TOLERANCE
-    ) -> SpatialMotion:
-        """Follow fibers that start evenly over the sphere, in order of their angle seen along z.
+    @property
+    def has_directions(self) -> bool:
+        """Tell whether it can be followed in any orientation."""
+        body = self.ellipsoid or self.spheroid
+        return body is not None and self.thinning is None
 
-        Directions of a spheroid are `half_sphere`'s, frames of an ellipsoid `even_frames`.
+    def directions(self, count: int, *, planar: bool) -> Array:
+        """Return orientations spread evenly, in order of the angle seen along z.
+
+        Directions (count, 3) of a spheroid, `half_sphere`; frames (count, 3, 3) of an ellipsoid,
+        `even_frames`.
+
+        Parameters
+        ----------
+        count : int
+            Number of fibers.
+        planar : bool
+            Whether they are for planar flows.
+        """
+        if self.ellipsoid is None:
+            return half_sphere(count, planar=planar)
+        frames = even_frames(count)
+        order = np.argsort(np.arctan2(frames[:, 1, 0], frames[:, 0, 0]), kind="stable")
+        return np.asarray(frames[order])
+
+    def follow_in_space(
+        self, path: FlowHistory, start: ArrayLike, tolerance: float = ANGLE_TOLERANCE
+    ) -> SpatialMotion:
+        """Follow fibers from orientations such as `directions`.
 
         Parameters
         ----------
         path : FlowHistory
             One path or several, in the plane or in space.
-        count : int
-            Number of fibers.
+        start : array_like
+            Unit vectors (count, 3) of a spheroid, frames (count, 3, 3) of an ellipsoid.
         tolerance : float
             As in `follow_spatial`, or in `follow_ellipsoids`, where none is below its default.
 
@@ -157,11 +180,8 @@ class FiberModel(Shown):
         """
         body = self.in_space
         if isinstance(body, SpheroidResponse):
-            start = half_sphere(count, planar=path.planar)
             return follow_spatial(path, body.shape_factor, start, tolerance)
-        frames = even_frames(count)
-        order = np.argsort(np.arctan2(frames[:, 1, 0], frames[:, 0, 0]), kind="stable")
-        return follow_ellipsoids(path, body, frames[order], max(tolerance, FRAME_TOLERANCE))
+        return follow_ellipsoids(path, body, start, max(tolerance, FRAME_TOLERANCE))
 
     def bounds(self, path: FlowHistory, viscosity: Viscosity) -> PressureBounds:
         """Return the bounds of the pressure extremes over every orientation, (..., n) [Pa].
@@ -190,7 +210,7 @@ class FiberModel(Shown):
         values quantiles are linear. The other parameters and errors as in
         `fibermelt.fiber.population.isotropic_pressure`.
         """
-        if self.thinning is not None or (self.spheroid is None and self.ellipsoid is None):
+        if not self.has_directions:
             return isotropic_pressure(
                 path, self.in_plane, viscosity, middle_time, levels, tolerance
             )

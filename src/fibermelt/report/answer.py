@@ -26,6 +26,7 @@ FIBERS = {
     "confined-ellipse": "ellipses in their cells",
     "ellipse": "unbounded ellipses",
     "spheroid": "unbounded spheroids",
+    "ellipsoid": "unbounded ellipsoids of three axes",
 }
 """What stands for the fibers, in words."""
 

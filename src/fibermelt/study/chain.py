@@ -66,6 +66,7 @@ __all__ = ["CHAIN"]
 _FIBER_PARAMETERS = (
     "fiber.half_length",
     "fiber.aspect_ratio",
+    "fiber.thickness_ratio",
     "fiber.model",
     "fiber.domain_size",
     "fiber.pressure_reference",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.fiber.cell_data import CellNumerics
-    from fibermelt.fiber.models import FiberModel
+    from fibermelt.fiber.models import FiberModel, ModelName
     from fibermelt.fiber.shape import Ellipse
     from fibermelt.history import FlowHistory
 
@@ -58,10 +58,12 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Solve the fiber's cell, or take what is known of a fiber without one."""
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
 
-    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
+    ratio = parameters["fiber.aspect_ratio"]
     if parameters["fiber.model"] == "confined-ellipse":
+        fiber = Ellipse(parameters["fiber.half_length"], ratio)
         return _confined(fiber, domain_size(parameters, inputs), parameters, say)
-    return _unbounded(fiber, parameters["fiber.model"], say)
+    third = parameters["fiber.thickness_ratio"]
+    return _unbounded(parameters["fiber.model"], ratio, ratio if third is None else third, say)
 
 
 def cell_estimates(parameters: Parameters, cell: xr.Dataset) -> tuple[Estimate, ...]:
@@ -140,23 +142,23 @@ def thinning_numerics(parameters: Parameters) -> CellNumerics:
     )
 
 
-def _unbounded(fiber: Ellipse, name: Literal["ellipse", "spheroid"], say: Say) -> xr.Dataset:
+def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say) -> xr.Dataset:
     """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
 
     An unbounded fiber tumbles, as ``xi < 1``.
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
     from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
 
-    model = unbounded_model(name, fiber)
+    model = _unbounded_model(name, aspect_ratio, thickness)
     response, around = model.response, surroundings(model)
     say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
     return labelled(
         {
             "fiber_model": name,
-            "aspect_ratio": fiber.aspect_ratio,
+            "aspect_ratio": aspect_ratio,
+            **({"thickness_ratio": thickness} if name == "ellipsoid" else {}),
             "domain_size": np.nan,
             "shape_factor": response.shape_factor,
             "stall_angle": np.nan,
@@ -183,18 +185,22 @@ def stored_model(cell: xr.Dataset) -> FiberModel:
     """
     name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
     if name != "confined-ellipse":
-        return _unbounded_model(name, aspect_ratio)
+        third = cell.get("thickness_ratio", aspect_ratio)
+        return _unbounded_model(cast("ModelName", name), aspect_ratio, float(third))
     surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
     factor = float(cell["shape_factor"])
     return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
 
 
 @lru_cache(maxsize=MODELS_KEPT)
-def _unbounded_model(name: Any, aspect_ratio: float) -> FiberModel:
-    """Return the model of a fiber without a cell."""
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
+def _unbounded_model(name: ModelName, aspect_ratio: float, thickness: float) -> FiberModel:
+    """Return the model of a fiber without a cell; only an ellipsoid has a thickness of its own."""
+    from fibermelt.fiber.ellipsoid import Ellipsoid  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
+    if name == "ellipsoid":
+        return unbounded_model(name, Ellipsoid((1.0, 1.0 / aspect_ratio, 1.0 / thickness)))
     return unbounded_model(name, Ellipse(1.0, aspect_ratio))
 
 
@@ -251,12 +257,12 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 def _refuse_in_plane(parameters: Parameters) -> None:
     """Refuse fibers that are known in a plane only, where the flow is in space."""
     model, directions = parameters["fiber.model"], parameters["fiber.directions"]
-    if model == "spheroid" and directions == "equal-area":
+    if model in ("spheroid", "ellipsoid") and directions == "equal-area":
         return
     msg = (
         f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
-        'and this fiber is known in a plane: say fiber.model = "spheroid" and fiber.directions = '
-        '"equal-area"'
+        'and this fiber is known in a plane: say fiber.model = "spheroid" or "ellipsoid" and '
+        'fiber.directions = "equal-area"'
     )
     raise ConfigError(msg)
 
@@ -284,8 +290,6 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     """
     from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds  # noqa: PLC0415
     from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
-    from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
-    from fibermelt.fiber.spatial import spatial_bounds  # noqa: PLC0415
 
     path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
     if not path.planar:
@@ -307,11 +311,8 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         followed = followed_in_space(parameters, path, model, middle, zone_time, say)
     if path.planar:
         followed.pop("extreme_z")
-    if path.planar or model.spheroid is None:
-        bounds = pressure_bounds(path, model.in_plane, viscosity)
-    else:
-        bounds = spatial_bounds(path, model.spheroid, viscosity)
-    if model.spheroid is not None and model.thinning is None:
+    bounds = model.bounds(path, viscosity)
+    if model.has_directions:
         say(f"{count} directions of an isotropic start")
     if "gradient_error" in lines:
         at = followed["extreme_time"]

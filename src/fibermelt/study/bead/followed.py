@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.errors import ConfigError
 from fibermelt.study.bead.newton import newton_motions
 from fibermelt.study.melt import law_of, newtonian_viscosity, viscosity_of
 from fibermelt.study.stages import Parameters, Say
@@ -152,32 +151,25 @@ def followed_in_space(
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
-    from fibermelt.fiber.spatial import (  # noqa: PLC0415
-        follow_spatial,
-        half_sphere,
-        spatial_pressure,
-    )
+    from fibermelt.fiber.spatial import spatial_pressure  # noqa: PLC0415
 
-    if model.spheroid is None:
-        msg = f'fiber.directions = "equal-area" with fiber.model = "{model.name}"'
-        raise ConfigError(msg)
-    start = half_sphere(parameters["fiber.direction_count"], planar=path.planar)
+    body, viscosity = model.in_space, viscosity_of(parameters)
+    start = model.directions(parameters["fiber.direction_count"], planar=path.planar)
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(start)} directions on {len(path.lines)} streamlines")
-    spheroid, viscosity = model.spheroid, viscosity_of(parameters)
     found = []
     for one, at, times in zip(path.lines, *_stations(path, middle, zone_time), strict=True):
-        motion = follow_spatial(one, spheroid.shape_factor, start, tolerance)
-        pressure = spatial_pressure(one, spheroid, viscosity, motion)
+        motion = model.follow_in_space(one, start, tolerance)
+        pressure = spatial_pressure(one, body, viscosity, motion)
         line = _on_line(one, motion, pressure, at, times)
         coarse = one.every_second()
-        rough = follow_spatial(coarse, spheroid.shape_factor, start, COARSE_TOLERANCE)
-        again = extremes(coarse, spatial_pressure(coarse, spheroid, viscosity, rough), rough, at)
+        rough = model.follow_in_space(coarse, start, COARSE_TOLERANCE)
+        again = extremes(coarse, spatial_pressure(coarse, body, viscosity, rough), rough, at)
         error = np.abs(line["extreme"] - again.value)
         found.append({**line, "elevation": motion.elevation, "extreme_error": error})
     return {
-        "initial_angle": np.arctan2(start[:, 1], start[:, 0]),
-        "initial_elevation": np.arcsin(start[:, 2]),
+        "initial_angle": np.arctan2(*motion.initial_directions[:, 1::-1].T),
+        "initial_elevation": np.arcsin(motion.initial_directions[:, 2]),
         **_stacked(found),
     }
 

@@ -109,6 +109,7 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     # The fiber's cell.
     "fiber_model": ("", "1", "what answers for the fiber"),
     "aspect_ratio": ("", "1", "length over width of the fiber"),
+    "thickness_ratio": ("", "1", "length over thickness of an ellipsoid of three axes"),
     "domain_size": ("", "1", "domain-size factor M; NaN if unbounded"),
     "shape_factor": ("", "1", "shape factor B; Jeffery's xi if unbounded"),
     "stall_angle": ("", "rad", "angle to simple shear at which it stalls; NaN if it tumbles"),

@@ -131,6 +131,9 @@ class Config(Section):
                 f'the plane of the flow: take "in-plane", or {local}'
             )
             raise ValueError(msg)
+        if fiber.model == "ellipsoid":
+            msg = f'fiber.model = "ellipsoid": has no answer {melt}: take "spheroid", or {local}'
+            raise ValueError(msg)
         if fiber.model == "spheroid":
             self._spheroid(local)
         if self.numerics.cell_mesh == "paper":

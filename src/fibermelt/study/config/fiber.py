@@ -34,9 +34,20 @@ class Fiber(Section):
         source=PAPER_3,
         hints={"le": VERIFIED},
     )
-    model: Literal["confined-ellipse", "ellipse", "spheroid"] = setting(
+    thickness_ratio: float | None = quantity(
+        None,
+        "",
+        "Length over thickness of an ellipsoid of three axes, whose length over width is "
+        "aspect_ratio; in the plane of a flow the thickness is across. By default aspect_ratio: a "
+        "spheroid. Ellipsoid only.",
+        ge=1,
+        le=100,
+        example="12",
+    )
+    model: Literal["confined-ellipse", "ellipse", "spheroid", "ellipsoid"] = setting(
         "confined-ellipse",
-        "What answers for the fiber: an ellipse in its cell; an ellipse or a spheroid without one.",
+        "What answers for the fiber: an ellipse in its cell; or, without one, an ellipse, a "
+        "spheroid, or an ellipsoid of three axes.",
         source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
     )
     melt: Literal["law", "local-viscosity"] = setting(
@@ -103,11 +114,24 @@ class Fiber(Section):
     @model_validator(mode="after")
     def _start(self) -> Self:
         """Refuse no fibers, degrees written as radians, an ellipse out of its plane."""
-        if self.directions == "equal-area" and self.model != "spheroid":
+        if self.directions == "equal-area" and self.model not in ("spheroid", "ellipsoid"):
             msg = (
                 f'fiber.directions = "equal-area": with fiber.model = "{self.model}" the fiber is '
                 "a cylinder across the flow, which has no direction out of the plane: take "
-                'fiber.model = "spheroid"'
+                'fiber.model = "spheroid" or "ellipsoid"'
+            )
+            raise ValueError(msg)
+        if self.thickness_ratio is not None and self.model != "ellipsoid":
+            msg = (
+                f"fiber.thickness_ratio = {self.thickness_ratio:g}: with fiber.model = "
+                f'"{self.model}" there is no third axis: leave it away, or take fiber.model = '
+                '"ellipsoid"'
+            )
+            raise ValueError(msg)
+        if self.thickness_ratio is not None and self.thickness_ratio < self.aspect_ratio:
+            msg = (
+                f"fiber.thickness_ratio = {self.thickness_ratio:g}: must be at least "
+                f"fiber.aspect_ratio = {self.aspect_ratio:g}, as the thickness is the shortest axis"
             )
             raise ValueError(msg)
         if not self.initial_angles:
