@@ -161,6 +161,86 @@ def vtu(folder: Path, data: Sample, *, name: str = "export.vtu", **arrays: Array
     return path
 
 
+def _foam(kind: str, name: str, body: str) -> str:
+    head = f"version 2.0; format ascii; class {kind}; object {name};"
+    return f"FoamFile {{ {head} }}\n{body}\n"
+
+
+def _foam_list(rows: Array) -> str:
+    """Return rows as OpenFOAM's list: vectors in parentheses."""
+    items = [
+        f"({' '.join(f'{v:.12g}' for v in row)})" if np.ndim(row) else f"{row:.12g}" for row in rows
+    ]
+    return f"{len(items)}\n(\n" + "\n".join(items) + "\n)"
+
+
+def openfoam(
+    folder: Path, flow: ExactFlow, shape: tuple[int, int, int], *, over: float = 1.0
+) -> Path:
+    """Write an OpenFOAM case of a unit cube in bricks, with values at their centres at two times.
+
+    ``over`` divides the pressure, which then is one over density. One brick in z is a plane.
+    """
+    count = tuple(n + 1 for n in shape)
+    axes = [np.linspace(0, 1, n) for n in count]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    node, cell = np.arange(np.prod(count)).reshape(count), np.arange(np.prod(shape)).reshape(shape)
+    inner, outer = [], []
+    for axis in range(3):
+        # a face across an axis, its corners in the order of a right-handed turn
+        b, c = [(1, 2), (2, 0), (0, 1)][axis]
+        for place in np.ndindex(*(n + (k == axis) for k, n in enumerate(shape))):
+            corners = []
+            for step_b, step_c in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                where = list(place)
+                where[b] += step_b
+                where[c] += step_c
+                corners.append(int(node[tuple(where)]))
+            below = list(place)
+            below[axis] -= 1
+            if 0 < place[axis] < shape[axis]:
+                inner.append((int(cell[tuple(below)]), int(cell[place]), corners))
+            elif place[axis] == 0:
+                outer.append((int(cell[place]), corners[::-1]))
+            else:
+                outer.append((int(cell[tuple(below)]), corners))
+    inner.sort(key=lambda face: face[:2])
+    faces = [face[-1] for face in (*inner, *outer)]
+    mesh = folder / "constant" / "polyMesh"
+    mesh.mkdir(parents=True)
+    (folder / "system").mkdir()
+    control = "application icoFoam; startTime 0; endTime 1; deltaT 0.5; writeFormat ascii;"
+    (folder / "system" / "controlDict").write_text(_foam("dictionary", "controlDict", control))
+    patch = f"1 ( walls {{ type wall; nFaces {len(outer)}; startFace {len(inner)}; }} )"
+    texts = {
+        "points": ("vectorField", _foam_list(points)),
+        "faces": (
+            "faceList",
+            f"{len(faces)}\n(\n" + "\n".join(f"4({' '.join(map(str, f))})" for f in faces) + "\n)",
+        ),
+        "owner": ("labelList", _foam_list(np.array([f[0] for f in (*inner, *outer)]))),
+        "neighbour": ("labelList", _foam_list(np.array([f[1] for f in inner]))),
+        "boundary": ("polyBoundaryMesh", patch),
+    }
+    for name, (kind, body) in texts.items():
+        (mesh / name).write_text(_foam(kind, name, body))
+    centres = [axis[:-1] + np.diff(axis) / 2 for axis in axes]
+    x = np.stack(np.meshgrid(*centres, indexing="ij"), axis=-1).reshape(-1, 3)
+    for time, factor in (("0.5", 0.5), ("1", 1.0)):
+        (folder / time).mkdir()
+        stress = "[1 -1 -2 0 0 0 0]" if over == 1.0 else "[0 2 -2 0 0 0 0]"
+        for name, kind, values, units in (
+            ("U", "vector", factor * flow.velocity(x), "[0 1 -1 0 0 0 0]"),
+            ("p", "scalar", flow.pressure(x) / over, stress),
+        ):
+            listed = f"nonuniform List<{kind}> {_foam_list(values)}"
+            body = f"dimensions {units};\ninternalField {listed};\n"
+            body += "boundaryField { walls { type zeroGradient; } }"
+            kind_of = f"vol{kind.capitalize()}Field"
+            (folder / time / name).write_text(_foam(kind_of, name, body))
+    return folder
+
+
 DIALECTS: dict[str, Callable[[Path, Sample], Path]] = {
     "fluent": fluent,
     "cfdpost": cfdpost,

@@ -7,8 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
+from dialects import openfoam, sample, vtu
 from exact_flows import ROTATION, SLIT, ExactFlow
+from vtkmodules.vtkIOExodus import vtkExodusIIWriter
+from vtkmodules.vtkIOHDF import vtkHDFWriter
+from vtkmodules.vtkIOXdmf2 import vtkXdmfWriter
 
+from fibermelt.errors import ConfigError
+from fibermelt.fields.mapping import FieldMap
 from fibermelt.fields.reading import describe_field, read_field
 from fibermelt.fields.simplices import facets, signed_sizes
 from fibermelt.fields.splitting import split_cells, split_polygons, split_polyhedra
@@ -188,3 +194,55 @@ def test_grids_of_other_kinds_are_read(tmp_path: Path, suffix: str) -> None:
     field = read_field(tmp_path / f"grid{suffix}")
     error = np.linalg.norm(field.gradient - flow.gradient(field.points), axis=(1, 2))
     assert error.max() < 1e-4  # of a plane the points are floats of four bytes
+
+
+WRITERS = {
+    "Exodus": (vtkExodusIIWriter, "a.e"),
+    "XDMF": (vtkXdmfWriter, "a.xdmf"),
+    "VTK HDF": (vtkHDFWriter, "a.vtkhdf"),
+}
+
+
+@pytest.mark.parametrize("format_", WRITERS)
+def test_formats_that_vtk_writes(tmp_path: Path, format_: str) -> None:
+    grid = pyvista.read(vtu(tmp_path, sample(ROTATION, 4)))
+    grid.set_active_vectors("U")  # or VTK's writer of XDMF does not say that it is a vector
+    grid.set_active_scalars("p")
+    make, name = WRITERS[format_]
+    writer = make()
+    writer.SetFileName(str(tmp_path / name))
+    writer.SetInputData(grid)
+    writer.Write()
+    path = (tmp_path / name).rename(tmp_path / "flow.out") if format_ != "XDMF" else tmp_path / name
+    found = describe_field(path)
+    assert found.format == format_
+    assert found.taken() == {"velocity": "U", "pressure": "p"}
+    field = read_field(path)
+    error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
+    assert error.max() < 1e-5  # some write coordinates in four bytes
+
+
+def test_openfoam_in_space_and_on_one_layer(tmp_path: Path) -> None:
+    case = openfoam(tmp_path / "cube", ROTATION, (5, 5, 5))
+    (case / "cube.foam").touch()
+    for path in (case, case / "cube.foam", case / "system" / "controlDict"):
+        found = describe_field(path)
+        assert (found.format, found.dimension, found.cells) == ("OpenFOAM", 3, 125)
+        assert found.times == (0.5, 1.0)
+    field = read_field(case)
+    assert np.abs(signed_sizes(field.points, field.cells)).sum() == pytest.approx(1.0)
+    error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
+    assert error.max() < 1e-5  # its coordinates have four bytes
+    earlier = read_field(case, FieldMap(time_step=0.5))
+    np.testing.assert_allclose(earlier.velocity, 0.5 * field.velocity, atol=1e-6)
+    layer = read_field(openfoam(tmp_path / "layer", SLIT, (8, 8, 1)))
+    assert layer.geometry == "planar"
+    assert len(layer.points) == 81
+
+
+def test_openfoams_pressure_over_density(tmp_path: Path) -> None:
+    case = openfoam(tmp_path / "case", ROTATION, (3, 3, 3), over=820.0)
+    assert describe_field(case).units["pressure"] == "m^2/s^2"
+    with pytest.raises(ConfigError, match="of a pressure over density"):
+        read_field(case)
+    assert read_field(case, FieldMap(pressure_unit="820 Pa")).pressure is not None

@@ -530,7 +530,9 @@ def _field(raw: _Raw, geometry: Geometry, notes: list[str]) -> Field:
     slope, doubt = recovered_gradient(around.points, around.cells, around.velocity)
     slope, doubt = slope[:n], doubt[:n]
     if raw.gradient is not None:
-        slope, doubt = _from_file(raw.gradient, slope, notes)
+        slope, apart = _from_file(raw.gradient, slope, notes)
+        # between nodes the file's is no better known than the recovered one
+        doubt = np.maximum(doubt, apart)
     whole = np.zeros((n, 3, 3))
     whole[:, :d, :d] = slope
     share = 2 if geometry == "planar" else 3

@@ -105,18 +105,55 @@ def _damaged(path: Path, kind: str, reason: str) -> ConfigError:
     return ConfigError(msg)
 
 
+def _by_suffix(
+    pyvista: Any, source: Path, suffix: str, path: Path, time_step: float | None
+) -> tuple[Any, tuple[float, ...]]:
+    """Return what pyvista's reader for a suffix makes of a file, and all times there are."""
+    reader = pyvista.get_reader(str(source), force_ext=suffix)
+    times = tuple(getattr(reader, "time_values", None) or ())
+    if times:
+        reader.set_active_time_value(chosen_time(path, times, time_step))
+    if suffix == ".foam":
+        # VTK's way from cells to points is a mean, which is no plane
+        reader.cell_to_point_creation = False
+    return reader.read(), times
+
+
+def _xdmf(
+    pyvista: Any, source: Path, suffix: str, path: Path, time_step: float | None
+) -> tuple[Any, tuple[float, ...]]:
+    """Return the same of XDMF, which pyvista's reader refuses without times."""
+    from vtkmodules.vtkCommonExecutionModel import (  # noqa: PLC0415  with pyvista
+        vtkStreamingDemandDrivenPipeline,
+    )
+    from vtkmodules.vtkIOXdmf2 import vtkXdmfReader  # noqa: PLC0415  with pyvista
+
+    reader = vtkXdmfReader()
+    reader.SetFileName(str(source))
+    reader.UpdateInformation()
+    found = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    times = tuple(found or ())
+    if times:
+        reader.UpdateTimeStep(chosen_time(path, times, time_step))
+    reader.Update()
+    return pyvista.wrap(reader.GetOutputDataObject(0)), times
+
+
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Keep from standard output what VTK's readers print there, under Python's feet."""
+    """Keep from the terminal what VTK's readers print there, under Python's feet."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    sys.stderr.flush()
+    kept = {stream: os.dup(stream) for stream in (1, 2)}
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
+        for stream in kept:
+            os.dup2(nowhere, stream)
         yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        for stream, copy in kept.items():
+            os.dup2(copy, stream)
+            os.close(copy)
         os.close(nowhere)
 
 
@@ -137,11 +174,8 @@ def _read(kind: str, suffix: str, path: Path, time_step: float | None) -> Conten
         catcher = pyvista.VtkErrorCatcher(send_to_logging=False)
         try:
             with _silent(), catcher:
-                reader = pyvista.get_reader(str(source), force_ext=suffix)
-                times = tuple(getattr(reader, "time_values", ()) or ())
-                if times:
-                    reader.set_active_time_value(chosen_time(path, times, time_step))
-                data = reader.read()
+                read = _xdmf if suffix == ".xdmf" else _by_suffix
+                data, times = read(pyvista, source, suffix, path, time_step)
         except ConfigError:
             raise
         except Exception as error:  # VTK's readers raise what they like
