@@ -13,6 +13,7 @@ CASES = {
     "ellipse": ["fiber.model=ellipse"],
     "spheroid": ["fiber.model=spheroid"],
     "in space": ["fiber.model=spheroid", "fiber.directions=equal-area", "fiber.direction_count=20"],
+    "flat": ["fiber.model=ellipsoid", "fiber.thickness_ratio=12"],
 }
 UNBOUNDED = ["ellipse", "spheroid", "in space"]
 
@@ -110,13 +111,25 @@ def test_the_bounds_of_a_spheroid_hold_in_space_and_in_the_plane(found):
         assert np.array_equal(found["spheroid"][1][name], found["in space"][1][name])
 
 
+def test_an_ellipsoid_lies_with_its_thickness_across(found):
+    """It turns like an ellipse of its length and width, which is the one that has no third axis."""
+    flat, ellipse = found["flat"][1], found["ellipse"][1]
+    assert np.array_equal(flat["angle"], ellipse["angle"])
+    assert float(flat["thickness_ratio"]) == 12.0
+    assert "thickness_ratio" not in ellipse
+    # a tip that is sharp across the plane as well sees more: 7 of a cylinder, 15.5 of a spheroid
+    assert flat["tip_pressure"] == pytest.approx(25.540, abs=5e-4)
+    # of its frames in space some see more than any in the plane
+    assert np.all(flat["bound_lowest"] <= flat["lowest"].min("initial_angle") + 1e-6)
+
+
 def test_an_ellipse_has_no_direction_out_of_the_plane(tmp_path):
     done = fibermelt("validate", COARSE, "-s", "fiber.directions=equal-area", folder=tmp_path)
     assert done.returncode == 2
     assert done.stderr == (
         'error: fiber.directions = "equal-area": with fiber.model = "confined-ellipse" the fiber '
         "is a cylinder across the flow, which has no direction out of the plane: take fiber.model "
-        '= "spheroid"\n'
+        '= "spheroid" or "ellipsoid"\n'
     )
 
 

@@ -113,7 +113,7 @@ def _seeds(parameters: Parameters, field: Field) -> Seeds:
     if not start.size:
         section = through.inflow_section(field)
     elif field.geometry == "spatial":
-        section = through.plane_section(field, start, stop - start)
+        section = through.patch_section(field, start, stop)
     else:
         section = through.line_section(field, start, stop)
     return through.flux_seeds(field, section, wanted["count"])
