@@ -1,4 +1,4 @@
-"""Notebooks of the documentation run, hold no outputs, and come to the numbers that they speak of."""
+"""Notebooks of the documentation run, hold no outputs, and come to the numbers they speak of."""
 
 from __future__ import annotations
 
