@@ -20,7 +20,7 @@ from typing import Any
 
 import ngsolve as ng
 
-from fibermelt.melt import ViscosityLaw
+from fibermelt.flow.strain import HeldStrain
 
 __all__ = [
     "INTEGRATION_BONUS",
@@ -89,56 +89,41 @@ def _tr(w: Form) -> Form:
 class ViscousStress:
     """The stress of a melt without its pressure, ``2 eta D + gamma div u I``, and its derivative.
 
-    With ``s = 2 D:D``, ``eta = eta(s)``, the derivative in the direction ``w`` is
-    ``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D + gamma div w I``: symmetric, and positive where the
-    stress grows with the rate.
+    Of a melt that thins it is the one ahead of a strain ``E`` that is held (`HeldStrain`): ``2 eta
+    E + C (D - E)``, where ``C = 2 eta + 8 (d eta/ds) E E`` is the tangent at ``s = 2 E:E``,
+    symmetric, and positive where the stress grows with the rate. With ``E = D`` it is the law's.
 
     Parameters
     ----------
     gradient : expression
         Velocity gradient of the present state.
-    law : ViscosityLaw
-        In scaled units: its viscosity is of order one at the rates of the flow.
-    thinning, known : expressions
-        The viscosity is ``known^(1 - t) eta^t`` with ``t = thinning``: it leads from one that is
-        known to the law's.
+    held : HeldStrain, optional
+        What is held at the points of integration, in scaled units; viscosity one without.
     """
 
-    def __init__(
-        self,
-        gradient: Form,
-        law: ViscosityLaw,
-        thinning: Form = 1.0,
-        known: Form = 1.0,
-    ) -> None:
-        """Write the viscosity and its derivative down, once."""
-        self.gradient, self._D = gradient, _sym(gradient)
-        self.viscosity = self._eta = ng.CF(1.0)
-        self._slope = None
-        if not law.is_newtonian:
-            self.viscosity, slope = law.expression(2 * ng.InnerProduct(self._D, self._D))
-            ratio = self.viscosity / known
-            self._eta, self._slope = (
-                known * ratio**thinning,
-                thinning * ratio ** (thinning - 1) * slope,
-            )
+    def __init__(self, gradient: Form, held: HeldStrain | None = None) -> None:
+        """Write the stress down."""
+        self.gradient, self._held = gradient, held
 
     @property
     def value(self) -> Form:
         """Return the stress."""
-        return self._linear(self.gradient)
+        if self._held is None:
+            return self.along(self.gradient)
+        E = self._held.strain
+        return self._along(self.gradient, _sym(self.gradient) - E)
 
     def along(self, w: Form) -> Form:
         """Return the stress's derivative with the velocity gradient, in the direction ``w``."""
-        if self._slope is None:
-            return self._linear(w)
-        turned = 8 * self._slope * ng.InnerProduct(self._D, _sym(w))
-        return self._linear(w) + turned * self._D
+        return self._along(w, w)
 
-    def _linear(self, w: Form) -> Form:
+    def _along(self, w: Form, ahead: Form) -> Form:
         spherical = GRAD_DIV * _tr(w) * ng.Id(2)
-        shear = 2 * _sym(w) if self._slope is None else 2 * self._eta * _sym(w)
-        return shear + spherical
+        if self._held is None:
+            return 2 * _sym(w) + spherical
+        E = self._held.strain
+        turned = 8 * self._held.slope * ng.InnerProduct(E, ahead)
+        return 2 * self._held.viscosity * _sym(w) + spherical + turned * E
 
 
 def _upwind(m: Form, velocity: Form) -> Form:
@@ -154,33 +139,54 @@ def _upwind(m: Form, velocity: Form) -> Form:
     return m + UPWIND * downstream * ng.specialcf.mesh_size * along
 
 
-def stokes_form(unknowns: Unknowns, elements: Elements, stress: ViscousStress) -> list[Form]:
+@dataclass(frozen=True)
+class Melt:
+    """The stress of the melt in curved elements and in straight ones, and how both are integrated."""
+
+    elements: Elements
+    curved: ViscousStress
+    straight: ViscousStress
+
+    def over(self, integrand: Any, *, moving: bool = False) -> list[Form]:
+        straight = self.elements.straight_moving if moving else self.elements.straight
+        found = []
+        for stress, some, bonus in ((self.curved, self.elements.curved, INTEGRATION_BONUS), (self.straight, straight, 0)):
+            rules = {} if stress._held is None else {"intrules": stress._held.rules}
+            if not rules and bonus: rules = {"bonus_intorder": bonus}
+            found.append(integrand(stress) * ng.dx(definedonelements=some, **rules))
+        return found
+
+
+def stokes_form(unknowns: Unknowns, melt: Melt) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
     v, q, *_ = unknowns.test
-    momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
-    return elements.over(momentum - q * ng.div(u))
+
+    def integrand(stress):
+        momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
+        return momentum - q * ng.div(u)
+
+    return melt.over(integrand)
 
 
-def residual_form(
-    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str
-) -> list[Form]:
+def residual_form(unknowns: Unknowns, melt: Melt, free: str) -> list[Form]:
     """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
     v, q, _, m = unknowns.test
-    total = stress.value - unknowns.pressure * ng.Id(2)
-    melt = ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
+
+    def integrand(stress):
+        total = stress.value - unknowns.pressure * ng.Id(2)
+        return ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
+
     normal = ng.specialcf.normal(2)
     return [
-        *elements.over(melt),
+        *melt.over(integrand),
         _upwind(m, unknowns.velocity)
         * (normal * unknowns.velocity)
         * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
     ]
 
 
-def jacobian_form(
-    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str, rate: ng.Parameter
-) -> list[Form]:
+def jacobian_form(unknowns: Unknowns, melt: Melt, free: str, rate: ng.Parameter) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
     The moving mesh deforms as an elastic solid of modulus ``1/h``; ``lam`` is the normal force
@@ -190,14 +196,18 @@ def jacobian_form(
     """
     u, _, d, lam = unknowns.trial
     v, q, e, m = unknowns.test
-    gradient, move, test_move = stress.gradient, ng.Grad(d), ng.Grad(e)
-    total = stress.value - unknowns.pressure * ng.Id(2)
-    shape = (
-        ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
-        - ng.InnerProduct(total, ng.Grad(v) * move)
-        - ng.InnerProduct(stress.along(gradient * move), ng.Grad(v))
-        - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
-    )
+    move, test_move = ng.Grad(d), ng.Grad(e)
+
+    def shape(stress):
+        gradient = stress.gradient
+        total = stress.value - unknowns.pressure * ng.Id(2)
+        return (
+            ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
+            - ng.InnerProduct(total, ng.Grad(v) * move)
+            - ng.InnerProduct(stress.along(gradient * move), ng.Grad(v))
+            - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
+        )
+
     elastic = 2 * ng.InnerProduct(_sym(move), _sym(test_move)) + _tr(move) * _tr(test_move)
     solid = elastic / ng.specialcf.mesh_size
     normal, tangent = ng.specialcf.normal(2), ng.specialcf.tangential(2)
@@ -207,9 +217,9 @@ def jacobian_form(
     string = STRING_STIFFNESS * (tangent * slope) * (tangent * test_slope)
     on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
     return [
-        *stokes_form(unknowns, elements, stress),
-        *elements.over(shape, moving=True),
-        *elements.over(solid, moving=True),
+        *stokes_form(unknowns, melt),
+        *melt.over(shape, moving=True),
+        *melt.elements.over(solid, moving=True),
         _upwind(m, unknowns.velocity)
         * (normal * u.Trace() + turned - rate * (normal * d.Trace()))
         * on_surface,

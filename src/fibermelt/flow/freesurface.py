@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fibermelt.flow.equilibrium import Equilibration
 from fibermelt.flow.forms import (
     Elements,
+    Melt,
     Unknowns,
     ViscousStress,
     jacobian_form,
@@ -25,8 +25,9 @@ from fibermelt.flow.forms import (
     stokes_form,
 )
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest
+from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest, without_pivots
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
+from fibermelt.flow.strain import HeldStrain
 from fibermelt.melt import Newtonian, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -41,6 +42,7 @@ SMALLEST_FRACTION = 0.3
 """A step that would have to be cut to less is not taken: it points nowhere."""
 
 
+MAXS, EQ, VERB = 25, 1e-2, False
 NEAREST, NEARLY = 6, 1e-9
 """A viscosity between meshes is the mean over this many corners of triangles, weighted by the
 inverse of their distance [widths]."""
@@ -103,25 +105,44 @@ class FreeSurfaceFlow:
         self.displacement = ng.GridFunction(spaces.displacement)
         self._trial_displacement = ng.GridFunction(spaces.displacement)
         self._law = Newtonian(1.0) if law is None else law
-        self._known = ng.GridFunction(ng.H1(mesh, order=1))
-        self._known.vec.FV().NumPy()[:] = 1.0
         elements = elements_of(mesh, boundaries)
         self._make_forms(elements)
         self._set_given_velocity()
         at_rest = self._state.vec[: spaces.flow.ndof]
-        self._equilibration = None
-        if self._law.is_newtonian:
+        if before is not None and self._held:
+            self._held_from(before)
+        elif self._held:
+            for held in self._held:
+                held.hold_at(np.ones(held.E.shape[1]), held.E)
+        if not self._held:
             solve_at_rest(spaces.flow, elements, at_rest, self._residual)
         else:
             trial, test = spaces.flow.TnT()
-            terms = stokes_form(Unknowns(trial, test, None, None), elements, self._stress)
-            self._thinning.Set(0.0)
-            scale = load_of(self._matrix.free, at_rest, self._residual)[1]
-            if before is not None:
-                self._known.vec.FV().NumPy()[:] = before.viscosity_near(mesh.ngmesh.Coordinates())
-            self._equilibration = Equilibration(
-                spaces.flow, terms, at_rest, self._residual, self._thinning, scale
-            )
+            terms = stokes_form(Unknowns(trial, test, None, None), self._melt)
+            matrix = without_pivots(spaces.flow, terms)
+            scale = None
+            for k in range(MAXS):
+                right, size = load_of(matrix.free, at_rest, self._residual)
+                scale = scale or size
+                if VERB: print("   equil", k, size / scale)
+                if k and size < EQ * scale: break
+                matrix.factorise()
+                at_rest -= matrix.solve(right)[0]
+                for held in self._held:
+                    held.follow()
+
+    def _held_from(self, before):
+        rule = ng.IntegrationRule([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], [0.0] * 3)
+        at = before.mesh.MapToAllElements(rule, ng.VOL)
+        D = ng.Sym(ng.Grad(before.velocity))
+        s = np.asarray(ng.CF((ng.x, ng.y, D[0, 0], D[1, 1], D[0, 1]))(at))
+        tree = cKDTree(s[:, :2])
+        for held in self._held:
+            distance, nearest = tree.query(held.places(), k=NEAREST)
+            weight = 1.0 / (distance + NEARLY)
+            weight /= weight.sum(axis=1)[:, None]
+            E = np.einsum("pk,pkc->cp", weight, s[nearest, 2:])
+            held.hold(E)
 
     @property
     def velocity(self) -> ng.GridFunction:
@@ -152,13 +173,19 @@ class FreeSurfaceFlow:
         trial, test = self._space.TnT()
         unknowns = Unknowns(tuple(trial), tuple(test), self.velocity, self.pressure)
         free = self.boundaries.free
-        self._rate, self._thinning = ng.Parameter(0.0), ng.Parameter(1.0)
+        self._rate = ng.Parameter(0.0)
         gradient = ng.Grad(self.velocity)
-        self._stress = ViscousStress(gradient, self._law, self._thinning, self._known)
-        self._jacobian = jacobian_form(unknowns, elements, self._stress, free, self._rate)
+        self._held = ()
+        stresses = (ViscousStress(gradient),) * 2
+        if not self._law.is_newtonian:
+            self._held = tuple(HeldStrain(self.mesh, self._law, gradient, 2 * self.order + bonus, some)
+                for bonus, some in ((4, elements.curved), (0, elements.straight)))
+            stresses = tuple(ViscousStress(gradient, h) for h in self._held)
+        self._melt = Melt(elements, *stresses)
+        self._jacobian = jacobian_form(unknowns, self._melt, free, self._rate)
         self._matrix = CondensedForm(self._space, self._jacobian, "umfpack", symmetric=False)
         self._residual = ng.LinearForm(self._space)
-        for term in residual_form(unknowns, elements, self._stress, free):
+        for term in residual_form(unknowns, self._melt, free):
             self._residual += term.Compile()
 
     def _solve(self, reuse: bool) -> tuple[ng.BaseVector, Array]:
@@ -223,8 +250,8 @@ class FreeSurfaceFlow:
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
-        if self._equilibration is not None:
-            self._equilibration.settle()
+        for held in self._held:
+            held.follow()
         return Step(*met, size, fraction, jacobian)
 
     @exclusive
