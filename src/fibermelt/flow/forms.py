@@ -15,6 +15,7 @@ and no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,7 @@ from fibermelt.flow.strain import HeldStrain
 __all__ = [
     "INTEGRATION_BONUS",
     "Elements",
+    "MeltStress",
     "Unknowns",
     "ViscousStress",
     "jacobian_form",
@@ -89,41 +91,88 @@ def _tr(w: Form) -> Form:
 class ViscousStress:
     """The stress of a melt without its pressure, ``2 eta D + gamma div u I``, and its derivative.
 
-    Of a melt that thins it is the one ahead of a strain ``E`` that is held (`HeldStrain`): ``2 eta
-    E + C (D - E)``, where ``C = 2 eta + 8 (d eta/ds) E E`` is the tangent at ``s = 2 E:E``,
-    symmetric, and positive where the stress grows with the rate. With ``E = D`` it is the law's.
-
     Parameters
     ----------
     gradient : expression
         Velocity gradient of the present state.
     held : HeldStrain, optional
-        What is held at the points of integration, in scaled units; viscosity one without.
+        Of a melt that thins, in scaled units: the stress is the one ahead of what is held. Without,
+        the viscosity is one.
     """
 
     def __init__(self, gradient: Form, held: HeldStrain | None = None) -> None:
-        """Write the stress down."""
-        self.gradient, self._held = gradient, held
+        """Keep what the stress is made of."""
+        self.gradient, self.held = gradient, held
 
     @property
     def value(self) -> Form:
         """Return the stress."""
-        if self._held is None:
+        if self.held is None:
             return self.along(self.gradient)
-        E = self._held.strain
-        return self._along(self.gradient, _sym(self.gradient) - E)
+        return self._along(self.gradient, _sym(self.gradient) - self.held.strain)
+
+    @property
+    def behind(self) -> Form:
+        """Return the stress of what is held, which a shape's derivative has."""
+        if self.held is None:
+            return self.value
+        shear = 2 * self.held.viscosity * self.held.strain
+        return shear + GRAD_DIV * _tr(self.gradient) * ng.Id(2)
 
     def along(self, w: Form) -> Form:
-        """Return the stress's derivative with the velocity gradient, in the direction ``w``."""
+        """Return the stress's derivative with the velocity gradient, in the direction ``w``.
+
+        Symmetric, and positive where the stress grows with the rate.
+        """
         return self._along(w, w)
 
     def _along(self, w: Form, ahead: Form) -> Form:
         spherical = GRAD_DIV * _tr(w) * ng.Id(2)
-        if self._held is None:
+        if self.held is None:
             return 2 * _sym(w) + spherical
-        E = self._held.strain
-        turned = 8 * self._held.slope * ng.InnerProduct(E, ahead)
-        return 2 * self._held.viscosity * _sym(w) + spherical + turned * E
+        turned = 8 * self.held.slope * ng.InnerProduct(self.held.strain, ahead)
+        return 2 * self.held.viscosity * _sym(w) + spherical + turned * self.held.strain
+
+
+@dataclass(frozen=True, eq=False)
+class MeltStress:
+    """The stress over the melt: by elements, as these are integrated at points of their own.
+
+    Parameters
+    ----------
+    elements : Elements
+        All of them.
+    curved, straight : ViscousStress
+        In either kind; one and the same in a Newtonian melt.
+    """
+
+    elements: Elements
+    curved: ViscousStress
+    straight: ViscousStress
+
+    @property
+    def held(self) -> tuple[HeldStrain, ...]:
+        """Return what is held in curved and in straight elements, if the melt thins."""
+        both = (self.curved.held, self.straight.held)
+        return tuple(held for held in both if held is not None)
+
+    def follow(self) -> None:
+        """Linearise at the strain whose stress is the one ahead."""
+        for held in self.held:
+            held.follow()
+
+    def over(
+        self, integrand: Callable[[ViscousStress], Form], *, moving: bool = False
+    ) -> list[Form]:
+        """Return the integrals of what has a stress, as `Elements.over`."""
+        if not self.held:
+            return self.elements.over(integrand(self.straight), moving=moving)
+        straight = self.elements.straight_moving if moving else self.elements.straight
+        pairs = ((self.curved, self.elements.curved), (self.straight, straight))
+        return [
+            integrand(stress) * ng.dx(definedonelements=some, intrules=held.rules)
+            for (stress, some), held in zip(pairs, self.held, strict=True)
+        ]
 
 
 def _upwind(m: Form, velocity: Form) -> Form:
@@ -139,41 +188,23 @@ def _upwind(m: Form, velocity: Form) -> Form:
     return m + UPWIND * downstream * ng.specialcf.mesh_size * along
 
 
-@dataclass(frozen=True)
-class Melt:
-    """The stress of the melt in curved elements and in straight ones, and how both are integrated."""
-
-    elements: Elements
-    curved: ViscousStress
-    straight: ViscousStress
-
-    def over(self, integrand: Any, *, moving: bool = False) -> list[Form]:
-        straight = self.elements.straight_moving if moving else self.elements.straight
-        found = []
-        for stress, some, bonus in ((self.curved, self.elements.curved, INTEGRATION_BONUS), (self.straight, straight, 0)):
-            rules = {} if stress._held is None else {"intrules": stress._held.rules}
-            if not rules and bonus: rules = {"bonus_intorder": bonus}
-            found.append(integrand(stress) * ng.dx(definedonelements=some, **rules))
-        return found
-
-
-def stokes_form(unknowns: Unknowns, melt: Melt) -> list[Form]:
+def stokes_form(unknowns: Unknowns, melt: MeltStress) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
     v, q, *_ = unknowns.test
 
-    def integrand(stress):
+    def integrand(stress: ViscousStress) -> Form:
         momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
         return momentum - q * ng.div(u)
 
     return melt.over(integrand)
 
 
-def residual_form(unknowns: Unknowns, melt: Melt, free: str) -> list[Form]:
+def residual_form(unknowns: Unknowns, melt: MeltStress, free: str) -> list[Form]:
     """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
     v, q, _, m = unknowns.test
 
-    def integrand(stress):
+    def integrand(stress: ViscousStress) -> Form:
         total = stress.value - unknowns.pressure * ng.Id(2)
         return ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
 
@@ -186,7 +217,9 @@ def residual_form(unknowns: Unknowns, melt: Melt, free: str) -> list[Form]:
     ]
 
 
-def jacobian_form(unknowns: Unknowns, melt: Melt, free: str, rate: ng.Parameter) -> list[Form]:
+def jacobian_form(
+    unknowns: Unknowns, melt: MeltStress, free: str, rate: ng.Parameter
+) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
     The moving mesh deforms as an elastic solid of modulus ``1/h``; ``lam`` is the normal force
@@ -198,9 +231,9 @@ def jacobian_form(unknowns: Unknowns, melt: Melt, free: str, rate: ng.Parameter)
     v, q, e, m = unknowns.test
     move, test_move = ng.Grad(d), ng.Grad(e)
 
-    def shape(stress):
+    def shape(stress: ViscousStress) -> Form:
         gradient = stress.gradient
-        total = stress.value - unknowns.pressure * ng.Id(2)
+        total = stress.behind - unknowns.pressure * ng.Id(2)
         return (
             ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
             - ng.InnerProduct(total, ng.Grad(v) * move)

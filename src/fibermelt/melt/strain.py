@@ -15,10 +15,10 @@ MOST_INVERSIONS = 60
 """Newton steps for the strain of a stress, in the logarithm; 3 to 6 are taken."""
 
 INVERSION_TOLERANCE = 1e-10
-"""Relative error of a rate at its stress, far below the residual's."""
+"""Relative error of a rate at its stress, far below the residual's of any flow."""
 
 NOTHING = 1e-14
-"""Rate of deformation over the flow's that stands for none: its logarithm is taken."""
+"""Rate of deformation in units of the flow's that stands for none: its logarithm is taken."""
 
 WEIGHTS = np.array([1.0, 1.0, 2.0])
 """Of the components 11, 22, 12 in a product of two symmetric tensors."""
