@@ -9,7 +9,8 @@ the next ``E`` is the strain whose stress is ``S`` (for melts that yield: Rudi, 
 2020, doi 10.1029/2020GC009059). Where nothing deforms that strain is a smooth function of the
 stress, as the stress is not of the strain. Stress is a concave function of the rate, though: where
 the rate grows tenfold, an index of 0.25 has the strain of ``S`` a hundredfold, so that it is no
-larger than the larger of ``D`` and ``E``. Converged, ``E = D``, and ``S`` is the law's stress.
+larger than the larger of ``D`` and ``E``. Where a melt thickens stress is the smooth function, and
+``E`` is ``D``. Converged, ``E = D``, and ``S`` is the law's stress.
 """
 
 from __future__ import annotations
@@ -90,7 +91,8 @@ class HeldStrain:
         strain = strain_of_stress(self._law, stress, found)
         size, *sizes = (WEIGHTS @ values**2 for values in (strain, found, before))
         part = np.maximum(*sizes) / np.maximum(size, NOTHING**2)
-        self.hold(strain * np.sqrt(np.minimum(1.0, part)))
+        strain *= np.sqrt(np.minimum(1.0, part))
+        self.hold(np.where(slope > 0.0, found, strain))
 
     def _store(self, strain: Array, viscosity: Array, slope: Array) -> None:
         for stored, values in zip(self._stored, (*strain, viscosity, slope), strict=True):
