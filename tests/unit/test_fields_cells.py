@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
-from dialects import openfoam, sample, vtu
+from dialects import cgns, openfoam, sample, vtu
 from exact_flows import ROTATION, SLIT, ExactFlow
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from vtkmodules.vtkIOHDF import vtkHDFWriter
@@ -220,6 +220,16 @@ def test_formats_that_vtk_writes(tmp_path: Path, format_: str) -> None:
     field = read_field(path)
     error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
     assert error.max() < 1e-5  # some write coordinates in four bytes
+
+
+def test_cgns(tmp_path: Path) -> None:
+    path = cgns(tmp_path, sample(ROTATION, 4)).rename(tmp_path / "flow")
+    found = describe_field(path)
+    assert (found.format, found.points, found.cells) == ("CGNS", 125, 384)
+    field = read_field(path)
+    error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
+    assert error.max() < 1e-5  # coordinates may be read in four bytes
+    assert field.pressure is not None
 
 
 def test_openfoam_in_space_and_on_one_layer(tmp_path: Path) -> None:

@@ -249,6 +249,14 @@ def test_the_gradient_of_the_file_is_taken_and_a_transposed_one_is_seen(tmp_path
     assert 0 < gradient_error(recovered, SLIT) < ROUNDING
 
 
+def test_a_gradient_without_unit_is_in_the_velocitys_over_the_lengths(tmp_path: Path) -> None:
+    data = sample(SLIT, 5, length=1e-3)
+    exact = SLIT.gradient(embedded(data.mesh.points * 1e-3))
+    path = vtu(tmp_path, data, velocity_gradient=1e-3 * exact.reshape(-1, 9))
+    field = read_field(path, FieldMap(length_unit="mm"))
+    assert gradient_error(field, SLIT) < 1e-12
+
+
 def test_components_of_a_gradient_by_their_names(tmp_path: Path) -> None:
     data = sample(SLIT, 4)
     L = SLIT.gradient(embedded(data.mesh.points))
@@ -332,11 +340,39 @@ def test_blocks_that_repeat_nodes_are_joined_and_walls_are_not(tmp_path: Path) -
     mesh = Mesh(points, np.concatenate([low.cells, low.cells + len(low.points)]))
     x = embedded(points)
     field = read_field(vtu(tmp_path, Sample(mesh, SLIT.velocity(x)[:, :2], SLIT.pressure(x))))
-    # but for the two at rest on the walls
-    assert any(note.startswith("5 nodes that lie on others") for note in field.notes)
+    # the two at rest on the walls as well, from where the flow passes beside them
+    assert any(note.startswith("7 nodes that lie on others") for note in field.notes)
     seam = (field.points[:, 0] == 2.0) & (np.abs(field.points[:, 1] - 0.5) < 0.4)
     assert seam.sum() == 5
     assert not field.near_wall[seam].any()
+
+
+def test_cells_with_nodes_of_their_own_are_joined(tmp_path: Path) -> None:
+    data = sample(SLIT, 6)
+    nodes = data.mesh.cells.ravel()
+    loose = Mesh(data.mesh.points[nodes], np.arange(len(nodes)).reshape(-1, 3))
+    field = read_field(vtu(tmp_path, Sample(loose, data.velocity[nodes], data.pressure[nodes])))
+    # of the corners two have a cell for which nothing moves on the edge to the next
+    assert len(field.points) - len(data.mesh.points) in range(5)
+    assert gradient_error(field, SLIT) < ROUNDING
+
+
+def test_a_wall_without_thickness_stays(tmp_path: Path) -> None:
+    """Two slits, one upon the other, with a wall between them that ends before the outlet."""
+    low = rectangle(6)
+    points = np.concatenate([low.points, low.points + np.array([0.0, 1.0])])
+    cells = np.concatenate([low.cells, low.cells + len(low.points)])
+    x = embedded(points)
+    y = points[:, 1] % 1.0
+    u = np.column_stack([6 * y * (1 - y), 0 * y])
+    end = (np.abs(points[:, 1] - 1.0) < 1e-9) & (points[:, 0] > 1.7)
+    u[end, 0] = 0.1
+    field = read_field(vtu(tmp_path, Sample(Mesh(points, cells), u, x[:, 0])))
+    # two nodes that move, and the one at rest where the wall ends
+    assert any(note.startswith("3 nodes that lie on others") for note in field.notes)
+    place = field.locate(np.array([[0.5, 0.99, 0], [0.5, 1.01, 0]]))
+    corners = [set(field.cells[cell]) for cell in place.cell]
+    assert not corners[0] & corners[1]
 
 
 def test_values_of_cells_are_taken_to_points_and_told(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from fibermelt.errors import ConfigError, legible, legible_path
@@ -54,8 +56,8 @@ FLAT = 1e-12
 wall reach 1e-8, rounding to seven digits leaves 1e-14 of it."""
 
 SAME_VELOCITY = 1e-6
-"""Over the highest speed: nodes on one another of this velocity in common, above zero, are one. On
-both sides of a wall a melt is at rest; blocks and partitions repeat nodes in the flow."""
+"""Over the highest speed: above, nodes move; below, two velocities are the same. Files round to
+seven digits."""
 
 TURNED = 0.5
 """Part of the difference to the recovered gradient that is left when the file's is transposed,
@@ -401,25 +403,49 @@ def _whole(path: Path, raw: _Raw, cells: Index | None, notes: list[str]) -> _Raw
 
 
 def _merged(raw: _Raw, notes: list[str]) -> _Raw:
-    """Return the flow with nodes made one that blocks or partitions repeat inside it."""
+    """Return the flow with nodes made one that blocks, partitions or cells of their own repeat.
+
+    Two facets in one place are one if the flow passes there: a node on them moves. Both sides of a
+    wall are at rest on all of theirs.
+    """
     n = len(raw.points)
     size = float((raw.points.max(axis=0) - raw.points.min(axis=0)).max())
     pairs = cKDTree(raw.points).query_pairs(SAME * size, output_type="ndarray")
     if not len(pairs):
         return raw
+    place = _components(pairs, n)[raw.cells]
+    opposite = facets(place).neighbour
+    cell, corner = np.nonzero(opposite > np.arange(len(opposite))[:, None])
+    other = opposite[cell, corner]
+    k = raw.cells.shape[1]
+    without = np.array([[j for j in range(k) if j != i] for i in range(k)])
+    here = np.take_along_axis(raw.cells[cell], without[corner], axis=1)
+    at = np.take_along_axis(place[cell], without[corner], axis=1)
+    # the same places on the other cell
+    there = np.empty_like(here)
+    for column in range(k - 1):
+        match = (place[other] == at[:, column, None]).argmax(axis=1)
+        there[:, column] = raw.cells[other, match]
     fastest = float(np.linalg.norm(raw.velocity, axis=1).max())
-    a, b = pairs.T
-    apart = np.linalg.norm(raw.velocity[a] - raw.velocity[b], axis=1)
-    moving = np.linalg.norm(raw.velocity[a], axis=1) > SAME_VELOCITY * fastest
-    alike = (apart <= SAME_VELOCITY * fastest) & moving
-    first = np.arange(n)
-    for i, j in np.sort(pairs[alike], axis=1)[np.lexsort(np.sort(pairs[alike], axis=1).T)]:
-        first[j] = min(first[j], first[i])
-    count = int((first != np.arange(n)).sum())
+    apart = np.linalg.norm(raw.velocity[here] - raw.velocity[there], axis=2).max(axis=1)
+    speed = np.linalg.norm(raw.velocity[here], axis=2).max(axis=1)
+    one = (apart <= SAME_VELOCITY * fastest) & (speed > SAME_VELOCITY * fastest)
+    number = _components(np.column_stack([here[one].ravel(), there[one].ravel()]), n)
+    first = np.full(n, n)
+    np.minimum.at(first, number, np.arange(n))
+    kept = first[number]
+    count = int((kept != np.arange(n)).sum())
     if not count:
         return raw
     notes.append(f"{count} nodes that lie on others inside the flow are made one with them")
-    return raw.with_cells(first[raw.cells])
+    return raw.with_cells(kept[raw.cells])
+
+
+def _components(pairs: Index, count: int) -> Index:
+    """Return a number for each of so many nodes, the same for those that pairs connect."""
+    ones = np.ones(len(pairs), dtype=bool)
+    joint = coo_array((ones, (pairs[:, 0], pairs[:, 1])), (count, count))
+    return np.asarray(connected_components(joint, directed=False)[1], dtype=np.int64)
 
 
 def _swapped(raw: _Raw) -> _Raw:
