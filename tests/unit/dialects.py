@@ -176,11 +176,17 @@ def _foam_list(rows: Array) -> str:
 
 
 def openfoam(
-    folder: Path, flow: ExactFlow, shape: tuple[int, int, int], *, over: float = 1.0
+    folder: Path,
+    flow: ExactFlow,
+    shape: tuple[int, int, int],
+    *,
+    over: float = 1.0,
+    wall: str = "type zeroGradient;",
 ) -> Path:
     """Write an OpenFOAM case of a unit cube in bricks, with values at their centres at two times.
 
     ``over`` divides the pressure, which then is one over density. One brick in z is a plane.
+    ``wall`` is the velocity's condition on all sides.
     """
     count = tuple(n + 1 for n in shape)
     axes = [np.linspace(0, 1, n) for n in count]
@@ -236,7 +242,8 @@ def openfoam(
         ):
             listed = f"nonuniform List<{kind}> {_foam_list(values)}"
             body = f"dimensions {units};\ninternalField {listed};\n"
-            body += "boundaryField { walls { type zeroGradient; } }"
+            condition = wall if name == "U" else "type zeroGradient;"
+            body += f"boundaryField {{ walls {{ {condition} }} }}"
             kind_of = f"vol{kind.capitalize()}Field"
             (folder / time / name).write_text(_foam(kind_of, name, body))
     return folder

@@ -112,6 +112,8 @@ def test_points_outside_are_told() -> None:
     again = field.locate(xyz, place)
     np.testing.assert_array_equal(again.found, place.found)
     assert len(field.locate(np.empty((0, 3))).cell) == 0
+    with pytest.raises(ConfigError, match=r"points have shape \(3,\), expected"):
+        field.locate(np.zeros(3))
 
 
 @pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow.name)

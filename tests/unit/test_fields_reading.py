@@ -216,6 +216,20 @@ def test_half_a_domain_is_mirrored(tmp_path: Path) -> None:
         read_field(path, FieldMap(mirror=("y",), axis="x"))
 
 
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"velocity": 3}, "field.velocity is of the type int, must be str"),
+        ({"mirror": ["y"]}, "field.mirror is of the type list, must be tuple"),
+        ({"pressure_zero": "1 bar"}, "pressure_zero = .*: must be one number, in SI"),
+        ({"time_step": "last"}, "time_step = .*: must be one number"),
+    ],
+)
+def test_a_map_takes_names_and_numbers(given: dict[str, object], match: str) -> None:
+    with pytest.raises(ConfigError, match=match):
+        FieldMap(**given)
+
+
 def test_keys_of_planes_are_refused_in_space(tmp_path: Path) -> None:
     path = vtu(tmp_path, sample(ROTATION, 3))
     with pytest.raises(ConfigError, match=r'field.axis = "x": the field is spatial'):
@@ -522,6 +536,28 @@ def test_one_layer_of_cells_is_planar(tmp_path: Path) -> None:
     assert gradient_error(field, SLIT) < ROUNDING
 
 
+def test_a_wedge_is_axisymmetric(tmp_path: Path) -> None:
+    mesh = rectangle(6)
+    n, half = len(mesh.points), np.radians(2.5)
+    x, r = mesh.points.T
+    points = np.concatenate(
+        [np.column_stack([x, r * np.cos(half), sign * r * np.sin(half)]) for sign in (-1, 1)]
+    )
+    cells = np.column_stack([mesh.cells, mesh.cells + n])
+    on_axis = np.concatenate([r == 0, r == 0])
+    cells = np.where(on_axis[cells], cells % n, cells)  # collapsed there, as it is in such meshes
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.WEDGE: cells}, points)
+    u = TUBE.velocity(embedded(mesh.points))
+    grid.point_data["U"] = np.concatenate([u, u])
+    grid.save(tmp_path / "wedge.vtu")
+    field = read_field(tmp_path / "wedge.vtu")
+    assert field.geometry == "axisymmetric"
+    assert any("between two planes through an axis" in note for note in field.notes)
+    assert field.points[:, 1].max() == pytest.approx(1.0)
+    assert len(field.points) == n
+    assert gradient_error(field, TUBE) < ROUNDING
+
+
 def test_planes_of_other_axes(tmp_path: Path) -> None:
     mesh = rectangle(5)
     x = embedded(mesh.points)
@@ -558,6 +594,15 @@ def test_a_spreadsheet_of_several_times(tmp_path: Path) -> None:
     np.testing.assert_allclose(fast.velocity, 2 * slow.velocity)
     with pytest.raises(ConfigError, match=r"time_step = 3: .* has no such time; it has 0, 0.5"):
         read_field(path, FieldMap(time_step=3.0))
+
+
+def test_a_file_with_points_that_are_no_numbers_is_described(tmp_path: Path) -> None:
+    data = sample(SLIT, 4)
+    points = data.mesh.points.copy()
+    points[3] = np.nan
+    path = fluent(tmp_path, Sample(Mesh(points, data.mesh.cells), data.velocity, data.pressure))
+    assert describe_field(path).bounds == ((0.0, 2.0), (0.0, 1.0))
+    assert len(read_field(path).points) == 44
 
 
 def test_describing_a_file(tmp_path: Path) -> None:

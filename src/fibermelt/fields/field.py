@@ -226,7 +226,11 @@ class Field(Unchanging):
         near enough to hold the point, so that no point inside is missed.
         """
         d = self.dimension
-        xyz = np.ascontiguousarray(real_array("points", points)[:, :d])
+        given = real_array("points", points)
+        if given.ndim != 2 or given.shape[1] < d:
+            msg = f"points have shape {given.shape}, expected (n, 3) or (n, {d})"
+            raise ConfigError(msg)
+        xyz = np.ascontiguousarray(given[:, :d])
         cell = np.full(len(xyz), -1, dtype=np.int64)
         reference = np.full((len(xyz), d), 1.0 / (d + 1))
         low, high = self.bounds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,9 @@ seven digits."""
 TURNED = 0.5
 """Part of the difference to the recovered gradient that is left when the file's is transposed,
 below which it stands transposed in the file."""
+
+WEDGE = 0.1
+"""Half the width of a wedge over its radius, at most: OpenFOAM's have 0.04."""
 
 ABSOLUTE = (9e4, 1.1e5)
 """Lowest pressure [Pa] that makes it look absolute: an atmosphere."""
@@ -203,7 +207,7 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
         points=len(points),
         cells=contents.file_cells,
         arrays=tuple(arrays),
-        bounds=tuple((float(c.min()), float(c.max())) for c in points.T),
+        bounds=tuple((float(np.nanmin(c)), float(np.nanmax(c))) for c in points.T),
         units=units,
         times=contents.times,
         notes=tuple(dict.fromkeys([*contents.notes, *notes])),
@@ -280,7 +284,12 @@ def _flattened(path: Path, contents: Contents) -> tuple[Contents, list[str]]:
         )
         raise ConfigError(msg)
     layer = _one_layer(contents)
-    return (layer, ["one layer of cells: read as planar"]) if layer else (contents, [])
+    if layer:
+        return layer, ["one layer of cells: read as planar"]
+    wedge = _wedge(contents)
+    if wedge:
+        return wedge, ["one layer of cells between two planes through an axis: axisymmetric"]
+    return contents, []
 
 
 def _without_direction(contents: Contents, kept: list[int]) -> Contents:
@@ -311,6 +320,31 @@ def _one_layer(contents: Contents) -> Contents | None:
         arrays = {name: values[kept] for name, values in contents.arrays.items()}
         layer = replace(contents, points=points[kept], arrays=arrays, cells=numbered)
         return _without_direction(layer, [k for k in range(3) if k != axis])
+    return None
+
+
+def _wedge(contents: Contents) -> Contents | None:
+    """Return one side of a thin wedge, as OpenFOAM has axisymmetric flows, turned about x.
+
+    Cells hold the velocity in the middle plane, where the component across the radius vanishes.
+    """
+    points, cells = contents.points, contents.cells
+    if cells is None:
+        return None
+    for axis, radial, across in permutations(range(3)):
+        r, z = points[:, radial], points[:, across]
+        size = float(r.max())
+        slope = float(np.abs(z).max()) / size if size > 0 else np.inf
+        if slope > WEDGE or np.abs(np.abs(z) - slope * r).max() > ON_PLANE * size:
+            continue
+        side = z >= 0
+        outer = facets(cells).boundary
+        numbered, kept = used_only(outer[side[outer].all(axis=1)], len(points))
+        arrays = {name: values[kept] for name, values in contents.arrays.items()}
+        flat = replace(contents, points=points[kept], arrays=arrays, cells=numbered)
+        flat = _without_direction(flat, [axis, radial])
+        # the radius itself, not its part along the middle plane
+        return replace(flat, points=flat.points * [1.0, np.hypot(1.0, slope)], axis="x")
     return None
 
 
