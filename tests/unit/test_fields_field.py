@@ -186,6 +186,10 @@ def test_place_keeps_what_was_found() -> None:
     np.testing.assert_allclose(place.weights.sum(axis=1), 1)
 
 
+def test_field_is_told_in_a_line() -> None:
+    assert repr(exact_field(SLIT, 4)) == "Field(planar, 45 points, 64 cells)"
+
+
 def test_field_is_unchanging() -> None:
     field = copy.copy(exact_field(SLIT, 3))
     with pytest.raises(ValueError, match="read-only"):

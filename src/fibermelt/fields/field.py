@@ -57,7 +57,7 @@ class Place:
         return np.column_stack([1.0 - self.reference.sum(axis=1), self.reference])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Field(Unchanging):
     """A steady flow on triangles or tetrahedra, in SI units.
 
@@ -154,6 +154,10 @@ class Field(Unchanging):
             msg = f"field: cell {int(flat[0])} has no size: leave it out"
             raise ConfigError(msg)
         super().__post_init__()
+
+    def __repr__(self) -> str:
+        """Return geometry and sizes: the arrays are long."""
+        return f"Field({self.geometry}, {len(self.points)} points, {len(self.cells)} cells)"
 
     @property
     def dimension(self) -> int:
