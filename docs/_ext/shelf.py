@@ -6,7 +6,7 @@ __all__ = ["ORDER", "Shelf"]
 
 ORDER = (
     *("lowest_pressure.py", "one_turn.py", "content_to_cell.py", "how_dry.py"),
-    *("own_streamline.py", "own_closure.py", "sweep_on_slurm.py"),
+    *("own_streamline.py", "foreign_flow.py", "own_closure.py", "sweep_on_slurm.py"),
 )
 """Files of the examples; one that is not named here comes last."""
 

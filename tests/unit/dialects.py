@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pyvista
 from exact_flows import ExactFlow, Mesh, embedded
@@ -175,11 +176,17 @@ def _foam_list(rows: Array) -> str:
 
 
 def openfoam(
-    folder: Path, flow: ExactFlow, shape: tuple[int, int, int], *, over: float = 1.0
+    folder: Path,
+    flow: ExactFlow,
+    shape: tuple[int, int, int],
+    *,
+    over: float = 1.0,
+    wall: str = "type zeroGradient;",
 ) -> Path:
     """Write an OpenFOAM case of a unit cube in bricks, with values at their centres at two times.
 
     ``over`` divides the pressure, which then is one over density. One brick in z is a plane.
+    ``wall`` is the velocity's condition on all sides.
     """
     count = tuple(n + 1 for n in shape)
     axes = [np.linspace(0, 1, n) for n in count]
@@ -235,10 +242,62 @@ def openfoam(
         ):
             listed = f"nonuniform List<{kind}> {_foam_list(values)}"
             body = f"dimensions {units};\ninternalField {listed};\n"
-            body += "boundaryField { walls { type zeroGradient; } }"
+            condition = wall if name == "U" else "type zeroGradient;"
+            body += f"boundaryField {{ walls {{ {condition} }} }}"
             kind_of = f"vol{kind.capitalize()}Field"
             (folder / time / name).write_text(_foam(kind_of, name, body))
     return folder
+
+
+def cgns(folder: Path, data: Sample) -> Path:
+    """Write CGNS on HDF5: one zone of tetrahedra, values at vertices."""
+    path = folder / "export.cgns"
+    tags = {"R4": np.float32, "R8": np.float64, "I4": np.int32, "C1": np.int8}
+
+    def text(value: str, size: int) -> np.ndarray:
+        return np.bytes_(value.encode().ljust(size, b"\0"))
+
+    def node(
+        parent: h5py.Group, name: str, label: str, kind: str = "MT", values=None
+    ) -> h5py.Group:
+        group = parent.create_group(name, track_order=True)
+        for key, value, size in (("name", name, 33), ("label", label, 33), ("type", kind, 3)):
+            group.attrs.create(key, text(value, size), dtype=f"S{size}")
+        group.attrs["flags"] = np.array([1], dtype=np.int32)
+        if values is not None:
+            if isinstance(values, str):
+                values = np.frombuffer(values.encode(), dtype=np.int8)
+            group.create_dataset(" data", data=np.asarray(values, dtype=tags[kind]))
+        return group
+
+    with h5py.File(path, "w", track_order=True, libver=("earliest", "v108")) as file:
+        for key, value, size in (
+            ("name", "HDF5 MotherNode", 33),
+            ("label", "Root Node of HDF5 File", 33),
+            ("type", "MT", 3),
+        ):
+            file.attrs.create(key, text(value, size), dtype=f"S{size}")
+        form = np.frombuffer(b"IEEE_LITTLE_32\0", dtype=np.int8)
+        file.create_dataset(" format", data=form)
+        version = np.frombuffer(b"HDF5 Version 1.8.15".ljust(33, b"\0"), dtype=np.int8)
+        file.create_dataset(" hdf5version", data=version)
+        node(file, "CGNSLibraryVersion", "CGNSLibraryVersion_t", "R4", [3.3])
+        base = node(file, "Base", "CGNSBase_t", "I4", [3, 3])
+        n, m = len(data.mesh.points), len(data.mesh.cells)
+        zone = node(base, "Zone", "Zone_t", "I4", [[n], [m], [0]])
+        node(zone, "ZoneType", "ZoneType_t", "C1", "Unstructured")
+        grid = node(zone, "GridCoordinates", "GridCoordinates_t")
+        for axis, column in zip("XYZ", data.mesh.points.T, strict=True):
+            node(grid, f"Coordinate{axis}", "DataArray_t", "R8", column)
+        cells = node(zone, "Elements", "Elements_t", "I4", [10, 0])
+        node(cells, "ElementRange", "IndexRange_t", "I4", [1, m])
+        node(cells, "ElementConnectivity", "DataArray_t", "I4", data.mesh.cells.ravel() + 1)
+        flow = node(zone, "FlowSolution", "FlowSolution_t")
+        node(flow, "GridLocation", "GridLocation_t", "C1", "Vertex")
+        for axis, column in zip("XYZ", data.velocity.T, strict=True):
+            node(flow, f"Velocity{axis}", "DataArray_t", "R8", column)
+        node(flow, "Pressure", "DataArray_t", "R8", data.pressure)
+    return path
 
 
 DIALECTS: dict[str, Callable[[Path, Sample], Path]] = {

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
-from dialects import openfoam, sample, vtu
-from exact_flows import ROTATION, SLIT, ExactFlow
+from dialects import cgns, openfoam, sample, vtu
+from exact_flows import ROTATION, SLIT, ExactFlow, box
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from vtkmodules.vtkIOHDF import vtkHDFWriter
 from vtkmodules.vtkIOXdmf2 import vtkXdmfWriter
@@ -222,6 +222,16 @@ def test_formats_that_vtk_writes(tmp_path: Path, format_: str) -> None:
     assert error.max() < 1e-5  # some write coordinates in four bytes
 
 
+def test_cgns(tmp_path: Path) -> None:
+    path = cgns(tmp_path, sample(ROTATION, 4)).rename(tmp_path / "flow")
+    found = describe_field(path)
+    assert (found.format, found.points, found.cells) == ("CGNS", 125, 384)
+    field = read_field(path)
+    error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
+    assert error.max() < 1e-5  # coordinates may be read in four bytes
+    assert field.pressure is not None
+
+
 def test_openfoam_in_space_and_on_one_layer(tmp_path: Path) -> None:
     case = openfoam(tmp_path / "cube", ROTATION, (5, 5, 5))
     (case / "cube.foam").touch()
@@ -238,6 +248,27 @@ def test_openfoam_in_space_and_on_one_layer(tmp_path: Path) -> None:
     layer = read_field(openfoam(tmp_path / "layer", SLIT, (8, 8, 1)))
     assert layer.geometry == "planar"
     assert len(layer.points) == 81
+
+
+def test_openfoams_walls_are_at_rest(tmp_path: Path) -> None:
+    flow = ExactFlow(
+        "closed",
+        "spatial",
+        box,
+        lambda x: np.prod(np.sin(np.pi * x), axis=1)[:, None] * [1.0, 0.5, 0.2],
+        lambda x: np.zeros((len(x), 3, 3)),
+        lambda x: x[:, 0],
+    )
+    case = openfoam(tmp_path / "case", flow, (6, 6, 6), wall="type noSlip;")
+    field = read_field(case)
+    assert any("have the value there: U" in note for note in field.notes)
+    at_wall = np.isclose(field.points[..., None], [0.0, 1.0]).any(axis=(1, 2))
+    assert np.abs(field.velocity[at_wall]).max() == 0.0
+    inside = np.abs(field.velocity - flow.velocity(field.points))[~at_wall]
+    assert inside.max() < 0.1
+    # led on from the cells they would slip
+    slipping = read_field(openfoam(tmp_path / "other", flow, (6, 6, 6)))
+    assert np.abs(slipping.velocity[at_wall]).max() > 1e-2
 
 
 def test_openfoams_pressure_over_density(tmp_path: Path) -> None:

@@ -112,6 +112,8 @@ def test_points_outside_are_told() -> None:
     again = field.locate(xyz, place)
     np.testing.assert_array_equal(again.found, place.found)
     assert len(field.locate(np.empty((0, 3))).cell) == 0
+    with pytest.raises(ConfigError, match=r"points have shape \(3,\), expected"):
+        field.locate(np.zeros(3))
 
 
 @pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow.name)
@@ -182,6 +184,10 @@ def test_place_keeps_what_was_found() -> None:
     place = Place(np.array([3, -1]), np.array([[0.2, 0.3], [0.1, 0.1]]))
     np.testing.assert_array_equal(place.found, [True, False])
     np.testing.assert_allclose(place.weights.sum(axis=1), 1)
+
+
+def test_field_is_told_in_a_line() -> None:
+    assert repr(exact_field(SLIT, 4)) == "Field(planar, 45 points, 64 cells)"
 
 
 def test_field_is_unchanging() -> None:

@@ -216,6 +216,20 @@ def test_half_a_domain_is_mirrored(tmp_path: Path) -> None:
         read_field(path, FieldMap(mirror=("y",), axis="x"))
 
 
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"velocity": 3}, "field.velocity is of the type int, must be str"),
+        ({"mirror": ["y"]}, "field.mirror is of the type list, must be tuple"),
+        ({"pressure_zero": "1 bar"}, "pressure_zero = .*: must be one number, in SI"),
+        ({"time_step": "last"}, "time_step = .*: must be one number"),
+    ],
+)
+def test_a_map_takes_names_and_numbers(given: dict[str, object], match: str) -> None:
+    with pytest.raises(ConfigError, match=match):
+        FieldMap(**given)
+
+
 def test_keys_of_planes_are_refused_in_space(tmp_path: Path) -> None:
     path = vtu(tmp_path, sample(ROTATION, 3))
     with pytest.raises(ConfigError, match=r'field.axis = "x": the field is spatial'):
@@ -247,6 +261,14 @@ def test_the_gradient_of_the_file_is_taken_and_a_transposed_one_is_seen(tmp_path
     assert np.median(wrong.gradient_error) > 1e3
     recovered = read_field(path, FieldMap(gradient="none"))
     assert 0 < gradient_error(recovered, SLIT) < ROUNDING
+
+
+def test_a_gradient_without_unit_is_in_the_velocitys_over_the_lengths(tmp_path: Path) -> None:
+    data = sample(SLIT, 5, length=1e-3)
+    exact = SLIT.gradient(embedded(data.mesh.points * 1e-3))
+    path = vtu(tmp_path, data, velocity_gradient=1e-3 * exact.reshape(-1, 9))
+    field = read_field(path, FieldMap(length_unit="mm"))
+    assert gradient_error(field, SLIT) < 1e-12
 
 
 def test_components_of_a_gradient_by_their_names(tmp_path: Path) -> None:
@@ -332,11 +354,39 @@ def test_blocks_that_repeat_nodes_are_joined_and_walls_are_not(tmp_path: Path) -
     mesh = Mesh(points, np.concatenate([low.cells, low.cells + len(low.points)]))
     x = embedded(points)
     field = read_field(vtu(tmp_path, Sample(mesh, SLIT.velocity(x)[:, :2], SLIT.pressure(x))))
-    # but for the two at rest on the walls
-    assert any(note.startswith("5 nodes that lie on others") for note in field.notes)
+    # the two at rest on the walls as well, from where the flow passes beside them
+    assert any(note.startswith("7 nodes that lie on others") for note in field.notes)
     seam = (field.points[:, 0] == 2.0) & (np.abs(field.points[:, 1] - 0.5) < 0.4)
     assert seam.sum() == 5
     assert not field.near_wall[seam].any()
+
+
+def test_cells_with_nodes_of_their_own_are_joined(tmp_path: Path) -> None:
+    data = sample(SLIT, 6)
+    nodes = data.mesh.cells.ravel()
+    loose = Mesh(data.mesh.points[nodes], np.arange(len(nodes)).reshape(-1, 3))
+    field = read_field(vtu(tmp_path, Sample(loose, data.velocity[nodes], data.pressure[nodes])))
+    # of the corners two have a cell for which nothing moves on the edge to the next
+    assert len(field.points) - len(data.mesh.points) in range(5)
+    assert gradient_error(field, SLIT) < ROUNDING
+
+
+def test_a_wall_without_thickness_stays(tmp_path: Path) -> None:
+    """Two slits, one upon the other, with a wall between them that ends before the outlet."""
+    low = rectangle(6)
+    points = np.concatenate([low.points, low.points + np.array([0.0, 1.0])])
+    cells = np.concatenate([low.cells, low.cells + len(low.points)])
+    x = embedded(points)
+    y = points[:, 1] % 1.0
+    u = np.column_stack([6 * y * (1 - y), 0 * y])
+    end = (np.abs(points[:, 1] - 1.0) < 1e-9) & (points[:, 0] > 1.7)
+    u[end, 0] = 0.1
+    field = read_field(vtu(tmp_path, Sample(Mesh(points, cells), u, x[:, 0])))
+    # two nodes that move, and the one at rest where the wall ends
+    assert any(note.startswith("3 nodes that lie on others") for note in field.notes)
+    place = field.locate(np.array([[0.5, 0.99, 0], [0.5, 1.01, 0]]))
+    corners = [set(field.cells[cell]) for cell in place.cell]
+    assert not corners[0] & corners[1]
 
 
 def test_values_of_cells_are_taken_to_points_and_told(tmp_path: Path) -> None:
@@ -486,6 +536,28 @@ def test_one_layer_of_cells_is_planar(tmp_path: Path) -> None:
     assert gradient_error(field, SLIT) < ROUNDING
 
 
+def test_a_wedge_is_axisymmetric(tmp_path: Path) -> None:
+    mesh = rectangle(6)
+    n, half = len(mesh.points), np.radians(2.5)
+    x, r = mesh.points.T
+    points = np.concatenate(
+        [np.column_stack([x, r * np.cos(half), sign * r * np.sin(half)]) for sign in (-1, 1)]
+    )
+    cells = np.column_stack([mesh.cells, mesh.cells + n])
+    on_axis = np.concatenate([r == 0, r == 0])
+    cells = np.where(on_axis[cells], cells % n, cells)  # collapsed there, as it is in such meshes
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.WEDGE: cells}, points)
+    u = TUBE.velocity(embedded(mesh.points))
+    grid.point_data["U"] = np.concatenate([u, u])
+    grid.save(tmp_path / "wedge.vtu")
+    field = read_field(tmp_path / "wedge.vtu")
+    assert field.geometry == "axisymmetric"
+    assert any("between two planes through an axis" in note for note in field.notes)
+    assert field.points[:, 1].max() == pytest.approx(1.0)
+    assert len(field.points) == n
+    assert gradient_error(field, TUBE) < ROUNDING
+
+
 def test_planes_of_other_axes(tmp_path: Path) -> None:
     mesh = rectangle(5)
     x = embedded(mesh.points)
@@ -522,6 +594,15 @@ def test_a_spreadsheet_of_several_times(tmp_path: Path) -> None:
     np.testing.assert_allclose(fast.velocity, 2 * slow.velocity)
     with pytest.raises(ConfigError, match=r"time_step = 3: .* has no such time; it has 0, 0.5"):
         read_field(path, FieldMap(time_step=3.0))
+
+
+def test_a_file_with_points_that_are_no_numbers_is_described(tmp_path: Path) -> None:
+    data = sample(SLIT, 4)
+    points = data.mesh.points.copy()
+    points[3] = np.nan
+    path = fluent(tmp_path, Sample(Mesh(points, data.mesh.cells), data.velocity, data.pressure))
+    assert describe_field(path).bounds == ((0.0, 2.0), (0.0, 1.0))
+    assert len(read_field(path).points) == 44
 
 
 def test_describing_a_file(tmp_path: Path) -> None:

@@ -41,6 +41,16 @@ def test_own_streamline(capsys: pytest.CaptureFixture[str]) -> None:
     assert "aligned -22.876 kPa" in capsys.readouterr().out
 
 
+def test_foreign_flow(capsys: pytest.CaptureFixture[str]) -> None:
+    """The gradient of a parabola, and Jeffery's half turn on an imported shear."""
+    names = runpy.run_path(str(EXAMPLES / "foreign_flow.py"))
+    # nine digits in the file, over edges of a twentieth
+    assert names["off"] < 1e-6
+    assert names["half_turn"] == pytest.approx(names["exact"], rel=1e-4)
+    assert names["field"].pressure.max() == pytest.approx(8 * 817 * 30e-3 / 4e-6 * 40e-3, rel=1e-6)
+    assert "half a turn in 0.38746 s, exactly 0.38746 s" in capsys.readouterr().out
+
+
 def test_own_closure(capsys: pytest.CaptureFixture[str]) -> None:
     """A closure by its formula alone is the shipped one; both forms are exact at both ends."""
     names = runpy.run_path(str(EXAMPLES / "own_closure.py"))

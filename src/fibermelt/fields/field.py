@@ -57,7 +57,7 @@ class Place:
         return np.column_stack([1.0 - self.reference.sum(axis=1), self.reference])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Field(Unchanging):
     """A steady flow on triangles or tetrahedra, in SI units.
 
@@ -161,6 +161,10 @@ class Field(Unchanging):
             raise ConfigError(msg)
         super().__post_init__()
 
+    def __repr__(self) -> str:
+        """Return geometry and sizes: the arrays are long."""
+        return f"Field({self.geometry}, {len(self.points)} points, {len(self.cells)} cells)"
+
     @property
     def dimension(self) -> int:
         """Return in how many coordinates points differ: 2 or 3."""
@@ -232,7 +236,11 @@ class Field(Unchanging):
         near enough to hold the point, so that no point inside is missed.
         """
         d = self.dimension
-        xyz = np.ascontiguousarray(real_array("points", points)[:, :d])
+        given = real_array("points", points)
+        if given.ndim != 2 or given.shape[1] < d:
+            msg = f"points have shape {given.shape}, expected (n, 3) or (n, {d})"
+            raise ConfigError(msg)
+        xyz = np.ascontiguousarray(given[:, :d])
         cell = np.full(len(xyz), -1, dtype=np.int64)
         reference = np.full((len(xyz), d), 1.0 / (d + 1))
         low, high = self.bounds

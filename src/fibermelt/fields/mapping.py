@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConfigError, legible
+from fibermelt.errors import ConfigError, legible, refuse_no_number, refuse_other
 from fibermelt.fields.contents import Contents
 from fibermelt.units import parse
 
@@ -53,6 +53,17 @@ class FieldMap:
     mirror: tuple[str, ...] = ()
     axis: str = ""
     time_step: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is no name and no number."""
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.name == "mirror":
+                refuse_other("field.mirror", value, tuple)
+            elif item.name == "pressure_zero" or (item.name == "time_step" and value is not None):
+                refuse_no_number(f"field.{item.name}", value)
+            elif item.name != "time_step":
+                refuse_other(f"field.{item.name}", value, str)
 
 
 ROLES = {

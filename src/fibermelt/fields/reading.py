@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from fibermelt.errors import ConfigError, legible, legible_path
@@ -55,12 +57,15 @@ FLAT = 1e-12
 wall reach 1e-8, rounding to seven digits leaves 1e-14 of it."""
 
 SAME_VELOCITY = 1e-6
-"""Over the highest speed: nodes on one another of this velocity in common, above zero, are one. On
-both sides of a wall a melt is at rest; blocks and partitions repeat nodes in the flow."""
+"""Over the highest speed: above, nodes move; below, two velocities are the same. Files round to
+seven digits."""
 
 TURNED = 0.5
 """Part of the difference to the recovered gradient that is left when the file's is transposed,
 below which it stands transposed in the file."""
+
+WEDGE = 0.1
+"""Half the width of a wedge over its radius, at most: OpenFOAM's have 0.04."""
 
 ABSOLUTE = (9e4, 1.1e5)
 """Lowest pressure [Pa] that makes it look absolute: an atmosphere."""
@@ -202,7 +207,7 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
         points=len(points),
         cells=contents.file_cells,
         arrays=tuple(arrays),
-        bounds=tuple((float(c.min()), float(c.max())) for c in points.T),
+        bounds=tuple((float(np.nanmin(c)), float(np.nanmax(c))) for c in points.T),
         units=units,
         times=contents.times,
         notes=tuple(dict.fromkeys([*contents.notes, *notes])),
@@ -279,7 +284,12 @@ def _flattened(path: Path, contents: Contents) -> tuple[Contents, list[str]]:
         )
         raise ConfigError(msg)
     layer = _one_layer(contents)
-    return (layer, ["one layer of cells: read as planar"]) if layer else (contents, [])
+    if layer:
+        return layer, ["one layer of cells: read as planar"]
+    wedge = _wedge(contents)
+    if wedge:
+        return wedge, ["one layer of cells between two planes through an axis: axisymmetric"]
+    return contents, []
 
 
 def _without_direction(contents: Contents, kept: list[int]) -> Contents:
@@ -310,6 +320,31 @@ def _one_layer(contents: Contents) -> Contents | None:
         arrays = {name: values[kept] for name, values in contents.arrays.items()}
         layer = replace(contents, points=points[kept], arrays=arrays, cells=numbered)
         return _without_direction(layer, [k for k in range(3) if k != axis])
+    return None
+
+
+def _wedge(contents: Contents) -> Contents | None:
+    """Return one side of a thin wedge, as OpenFOAM has axisymmetric flows, turned about x.
+
+    Cells hold the velocity in the middle plane, where the component across the radius vanishes.
+    """
+    points, cells = contents.points, contents.cells
+    if cells is None:
+        return None
+    for axis, radial, across in permutations(range(3)):
+        r, z = points[:, radial], points[:, across]
+        size = float(r.max())
+        slope = float(np.abs(z).max()) / size if size > 0 else np.inf
+        if slope > WEDGE or np.abs(np.abs(z) - slope * r).max() > ON_PLANE * size:
+            continue
+        side = z >= 0
+        outer = facets(cells).boundary
+        numbered, kept = used_only(outer[side[outer].all(axis=1)], len(points))
+        arrays = {name: values[kept] for name, values in contents.arrays.items()}
+        flat = replace(contents, points=points[kept], arrays=arrays, cells=numbered)
+        flat = _without_direction(flat, [axis, radial])
+        # the radius itself, not its part along the middle plane
+        return replace(flat, points=flat.points * [1.0, np.hypot(1.0, slope)], axis="x")
     return None
 
 
@@ -402,25 +437,49 @@ def _whole(path: Path, raw: _Raw, cells: Index | None, notes: list[str]) -> _Raw
 
 
 def _merged(raw: _Raw, notes: list[str]) -> _Raw:
-    """Return the flow with nodes made one that blocks or partitions repeat inside it."""
+    """Return the flow with nodes made one that blocks, partitions or cells of their own repeat.
+
+    Two facets in one place are one if the flow passes there: a node on them moves. Both sides of a
+    wall are at rest on all of theirs.
+    """
     n = len(raw.points)
     size = float((raw.points.max(axis=0) - raw.points.min(axis=0)).max())
     pairs = cKDTree(raw.points).query_pairs(SAME * size, output_type="ndarray")
     if not len(pairs):
         return raw
+    place = _components(pairs, n)[raw.cells]
+    opposite = facets(place).neighbour
+    cell, corner = np.nonzero(opposite > np.arange(len(opposite))[:, None])
+    other = opposite[cell, corner]
+    k = raw.cells.shape[1]
+    without = np.array([[j for j in range(k) if j != i] for i in range(k)])
+    here = np.take_along_axis(raw.cells[cell], without[corner], axis=1)
+    at = np.take_along_axis(place[cell], without[corner], axis=1)
+    # the same places on the other cell
+    there = np.empty_like(here)
+    for column in range(k - 1):
+        match = (place[other] == at[:, column, None]).argmax(axis=1)
+        there[:, column] = raw.cells[other, match]
     fastest = float(np.linalg.norm(raw.velocity, axis=1).max())
-    a, b = pairs.T
-    apart = np.linalg.norm(raw.velocity[a] - raw.velocity[b], axis=1)
-    moving = np.linalg.norm(raw.velocity[a], axis=1) > SAME_VELOCITY * fastest
-    alike = (apart <= SAME_VELOCITY * fastest) & moving
-    first = np.arange(n)
-    for i, j in np.sort(pairs[alike], axis=1)[np.lexsort(np.sort(pairs[alike], axis=1).T)]:
-        first[j] = min(first[j], first[i])
-    count = int((first != np.arange(n)).sum())
+    apart = np.linalg.norm(raw.velocity[here] - raw.velocity[there], axis=2).max(axis=1)
+    speed = np.linalg.norm(raw.velocity[here], axis=2).max(axis=1)
+    one = (apart <= SAME_VELOCITY * fastest) & (speed > SAME_VELOCITY * fastest)
+    number = _components(np.column_stack([here[one].ravel(), there[one].ravel()]), n)
+    first = np.full(n, n)
+    np.minimum.at(first, number, np.arange(n))
+    kept = first[number]
+    count = int((kept != np.arange(n)).sum())
     if not count:
         return raw
     notes.append(f"{count} nodes that lie on others inside the flow are made one with them")
-    return raw.with_cells(first[raw.cells])
+    return raw.with_cells(kept[raw.cells])
+
+
+def _components(pairs: Index, count: int) -> Index:
+    """Return a number for each of so many nodes, the same for those that pairs connect."""
+    ones = np.ones(len(pairs), dtype=bool)
+    joint = coo_array((ones, (pairs[:, 0], pairs[:, 1])), (count, count))
+    return np.asarray(connected_components(joint, directed=False)[1], dtype=np.int64)
 
 
 def _swapped(raw: _Raw) -> _Raw:

@@ -2,8 +2,9 @@
 
 A cubic through the node's own value is fitted by weighted least squares to the nodes within two
 rings of cells, three where that is one-sided: of third order in the edge. A quadratic fitted to the
-same nodes differs from it by the quadratic's error, which is the estimate: far above the cubic's
-error where the mesh resolves the flow, near it where it does not. Reference: Zhang and Naga 2005,
+same nodes differs from it by the quadratic's error, far above the cubic's where the mesh resolves
+the flow, near it where it does not. That is the estimate, with what scatter of the velocities about
+the cubic (a coarse solution, few digits) makes of the gradient. Reference: Zhang and Naga 2005,
 SIAM J. Sci. Comput. 26, 1192 (doi:10.1137/S1064827503402837), with quadratics without weights.
 """
 
@@ -34,7 +35,7 @@ SPARE = 1.2
 """Nodes around for each coefficient of the cubic, at least."""
 
 WORST_CONDITION = 1e9
-"""Of the cubic's normal matrix, in the patch's own axes: 1e2 to 1e5 on good patches; above, the
+"""Of the cubic's normal matrix, in the patch's own axes: 1e3 to 1e6 on good patches; above, the
 nodes lie on a cubic."""
 
 ROWS, ENTRIES = 20_000, 2_000_000
@@ -56,15 +57,41 @@ def _monomials(y: Array) -> Array:
     return rows
 
 
-def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array]:
-    """Return coefficients (b, q, c) of the weighted fits, and the condition of each."""
+def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array, Array]:
+    """Return coefficients (b, q, c) of weighted fits, the inverse of the normal matrix, conditions.
+
+    A condition is a bound: the product of both traces.
+    """
     weighted = basis * weight[:, None]
     normal = weighted @ basis.swapaxes(1, 2)
     size = np.trace(normal, axis1=1, axis2=2)
     normal += np.finfo(float).eps * size[:, None, None] * np.eye(normal.shape[-1])
-    inverse = np.linalg.inv(normal)
-    condition = np.abs(normal).sum(axis=2).max(axis=1) * np.abs(inverse).sum(axis=2).max(axis=1)
-    return inverse @ (weighted @ rise), condition
+    inverse = np.asarray(np.linalg.inv(normal), dtype=np.float64)
+    condition = size * np.trace(inverse, axis1=1, axis2=2)
+    return inverse @ (weighted @ rise), inverse, condition
+
+
+def _scatter(left: Array, weight: Array, count: Array, inverse: Array, axes: Array) -> Array:
+    """Return a bound of the standard deviation of fitted slopes in Frobenius's norm (b,).
+
+    Parameters
+    ----------
+    left : (b, k, c) array
+        What the fits leave of the velocities; zero at the centre and where it fills a patch up.
+    weight : (b, k) array
+        Weights of the fits, at most one.
+    count : (b,) array
+        Nodes of each patch but for the centre.
+    inverse : (b, q, q) array
+        Of the normal matrix: times the variance, a bound of the coefficients' covariance.
+    axes : (b, d, d) array
+        From the patch's own axes to those of the flow.
+    """
+    d, q = axes.shape[-1], inverse.shape[-1]
+    spare = np.maximum(count - q, 1) / count
+    variance = np.einsum("bk,bkc->b", weight, left**2) / (weight.sum(axis=1) * spare)
+    spread = np.einsum("bij,bik,bkj->b", axes, inverse[:, :d, :d], axes)
+    return np.asarray(np.sqrt(variance * np.abs(spread)))
 
 
 def _batches(pattern: csr_array, coefficients: int) -> list[Index]:
@@ -97,9 +124,9 @@ def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Ar
     gradient : (n, c, d) array
         ``d u_i / d x_j`` [1/s].
     error : (n,) array
-        Estimated error in Frobenius's norm [1/s]: what the cubic differs from the quadratic. Where
-        the mesh has too few nodes for a cubic, a plane is fitted, and all of the gradient is in
-        doubt.
+        Estimated error in Frobenius's norm [1/s]: what the cubic differs from the quadratic, and
+        what scatters. Where the mesh has too few nodes for a cubic, a
+        plane is fitted, and all of the gradient is in doubt.
     """
     n, d = points.shape
     coefficients = 9 if d == 2 else 19
@@ -142,12 +169,15 @@ def _patch(
     y = axes @ away.swapaxes(1, 2)
     basis = _monomials(y)
     near = np.exp(-np.einsum("bik,bik->bk", y, y) / d)
-    cubic, condition = _fit(basis, rise, near**CUBIC_DECAY)
+    cubic, inverse, condition = _fit(basis, rise, near**CUBIC_DECAY)
     of_two = d + d * (d + 1) // 2
-    quadratic, _ = _fit(basis[:, :of_two], rise, near**QUADRATIC_DECAY)
-    good = (condition < WORST_CONDITION) & (length - 1 >= SPARE * (9 if d == 2 else 19))
+    quadratic = _fit(basis[:, :of_two], rise, near**QUADRATIC_DECAY)[0]
+    good = (condition < WORST_CONDITION) & (length - 1 >= SPARE * basis.shape[1])
     slopes = cubic[:, :d].swapaxes(1, 2) @ axes
     doubt = np.linalg.norm(slopes - quadratic[:, :d].swapaxes(1, 2) @ axes, axis=(1, 2))
+    left = rise - basis.swapaxes(1, 2) @ cubic
+    count = np.maximum(length - 1, 1)
+    doubt += _scatter(left, near**CUBIC_DECAY * is_own, count, inverse, axes)
     if is_last and not good.all():
         plane = _fit(basis[:, :d], rise, near**QUADRATIC_DECAY)[0].swapaxes(1, 2) @ axes
         slopes[~good] = plane[~good]

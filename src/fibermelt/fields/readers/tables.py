@@ -62,10 +62,8 @@ def numbers(path: Path, lines: Sequence[str], columns: int, first: int) -> Array
     text = "\n".join(lines)
     if MISSING.search(text):
         text = MISSING.sub("nan", text)
-    table = np.empty(0)
     try:
-        flat = text.replace(",", " ").replace(";", " ").split()
-        table = np.array(flat, dtype=np.float64)
+        table = np.fromstring(text.replace(",", " ").replace(";", " "), sep=" ")
     except ValueError:
         table = np.empty(0)
     rows = sum(1 for line in lines if line.strip())

@@ -25,6 +25,7 @@ from scipy.sparse import csr_array
 from fibermelt.errors import ConfigError, legible, legible_path
 from fibermelt.fields.averaging import cells_to_nodes
 from fibermelt.fields.contents import Contents, Reader
+from fibermelt.fields.readers.openfoam import case_folder, with_case
 from fibermelt.fields.readers.times import chosen_time
 from fibermelt.fields.splitting import CORNERS, split_cells, split_polyhedra
 
@@ -79,14 +80,6 @@ def _hdf5_keys(path: Path, head: bytes) -> set[str]:
         return {"damaged"}
 
 
-def _case_folder(path: Path) -> Path | None:
-    """Return OpenFOAM's case that a folder, its ``.foam`` file or ``controlDict`` stands for."""
-    folder = path if path.is_dir() else path.parent
-    folder = folder.parent if folder.name == "system" else folder
-    named = path.is_dir() or path.suffix == ".foam" or path.name == "controlDict"
-    return folder if named and (folder / "system" / "controlDict").is_file() else None
-
-
 def _pyvista(path: Path, kind: str) -> Any:
     try:
         import pyvista  # noqa: PLC0415  lazy: an optional extra
@@ -118,6 +111,7 @@ def _by_suffix(
     if suffix == ".foam":
         # VTK's way from cells to points is a mean, which is no plane
         reader.cell_to_point_creation = False
+        reader.enable_all_patch_arrays()
     return reader.read(), times
 
 
@@ -166,7 +160,7 @@ def _read(kind: str, suffix: str, path: Path, time_step: float | None) -> Conten
 
     source = path
     if suffix == ".foam":
-        source = (_case_folder(path) or path) / "system" / "controlDict"
+        source = (case_folder(path) or path) / "system" / "controlDict"
     if suffix == ".h5":
         source = Path(re.sub(r"\.dat(\.h5)?$", r".cas\1", str(path)))
     with tempfile.TemporaryDirectory() as scratch:
@@ -190,7 +184,7 @@ def _read(kind: str, suffix: str, path: Path, time_step: float | None) -> Conten
     if faults:
         raise _damaged(path, kind, faults[0])
     contents = _contents(path, kind, data, times)
-    return _with_dimensions(path, contents) if suffix == ".foam" else contents
+    return _with_case(path, contents, data, time_step) if suffix == ".foam" else contents
 
 
 def _nek5000(path: Path, scratch: Path) -> Path:
@@ -221,14 +215,16 @@ def _nek5000(path: Path, scratch: Path) -> Path:
     return found
 
 
-def _with_dimensions(path: Path, contents: Contents) -> Contents:
-    """Return OpenFOAM's contents with the dimension of its pressure, which may be over density."""
-    folder = _case_folder(path) or path
-    for file in sorted(folder.glob("*/p")):
-        match = re.search(rb"dimensions\s*\[\s*(-?\d+)\s+", file.read_bytes()[:4096])
-        if match and match.group(1) == b"0":
-            return Contents(**{**vars(contents), "units": {**contents.units, "p": "m^2/s^2"}})
-    return contents
+def _with_case(path: Path, contents: Contents, data: Any, time_step: float | None) -> Contents:
+    """Return OpenFOAM's contents with what its patches give."""
+    patches = {}
+    boundary = data["boundary"] if "boundary" in data.keys() else {}  # noqa: SIM118  no dict
+    for name in boundary.keys():  # noqa: SIM118
+        for grid in _leaves(boundary[name]):
+            piece = _piece(path, grid, FLAT)
+            patches[name] = (piece.points, piece.arrays)
+    time = chosen_time(path, contents.times, time_step) if contents.times else 0.0
+    return with_case(case_folder(path) or path, time, contents, patches)
 
 
 def _leaves(data: Any) -> Iterator[Any]:
@@ -431,7 +427,7 @@ READERS: tuple[Reader, ...] = (
     Reader("Exodus", _is_exodus, partial(_read, "Exodus", ".e")),
     Reader(
         "OpenFOAM",
-        lambda path, _: _case_folder(path) is not None,
+        lambda path, _: case_folder(path) is not None,
         partial(_read, "OpenFOAM", ".foam"),
     ),
     Reader(
