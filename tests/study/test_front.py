@@ -53,6 +53,8 @@ def test_results_are_those_of_the_command_line(
     xr.testing.assert_identical(again.drop_attrs(deep=False), results.drop_attrs(deep=False))
     summary = json.loads((folder / "summary.json").read_bytes())
     assert again.fibermelt.summary == summary
+    stored = xr.load_dataset(folder / "results.nc", engine="h5netcdf").fibermelt.summary
+    assert {**stored, "cost": summary["cost"]} == summary
     assert again.fibermelt.study["streamlines"]["count"] == 3
     assert capfd.readouterr() == ("", "")
 
@@ -75,8 +77,9 @@ def test_results_say_what_they_are(results: xr.Dataset) -> None:
     told = repr(results.fibermelt)
     assert told.startswith("fibermelt study coarse\nbead height     3.000 mm\n")
     assert "Can it void?" in results.fibermelt._repr_html_()
-    part = results.sel(streamline=2)
-    assert part.fibermelt.summary == results.fibermelt.summary
+    assert repr(xr.Dataset().fibermelt) == "no results of fibermelt"
+    with pytest.raises(fm.ConfigError, match="is of whole results, and these lack some"):
+        _ = results.drop_vars("extreme").fibermelt.summary
     with pytest.raises(fm.ConfigError, match=r"results\.fibermelt\.summary: is of a run"):
         _ = xr.Dataset().fibermelt.summary
 
