@@ -25,6 +25,7 @@ from fibermelt.study.outputs import has_run
 from fibermelt.study.progress import Observer, observing
 from fibermelt.study.runner import run_study as run_into
 from fibermelt.study.runner import summarize
+from fibermelt.study.schema import REPORT
 from fibermelt.study.sweep.collect import collect_sweep
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.runner import run_sweep
@@ -42,7 +43,7 @@ def run_study(
     overrides: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
     *,
-    page: bool = False,
+    page: bool | None = None,
     fresh: bool = False,
     progress: bool = False,
 ) -> xr.Dataset:
@@ -59,8 +60,8 @@ def run_study(
     out : str or Path, optional
         The results folder: stages that are stored there already are not computed again, as with
         ``fibermelt run``. Without one nothing is kept on the disk.
-    page : bool
-        Whether to draw the figures and write the page into ``out``.
+    page : bool, optional
+        Whether to draw the figures and write the page into ``out``: by default where it has one.
     fresh : bool
         Whether to compute everything again.
     progress : bool
@@ -86,12 +87,13 @@ def run_study(
         msg = "page = True: needs out, the folder that the page is written into"
         raise ConfigError(msg)
     with _folder(out) as folder, _observer(progress) as observer:
+        drawn = (folder / REPORT).is_file() if page is None else page
         run_into(
             read,
             folder,
             CHAIN,
-            draw=draw if page else None,
-            report=render if page else None,
+            draw=draw if drawn else None,
+            report=render if drawn else None,
             fresh=fresh,
             observer=observer,
         )
