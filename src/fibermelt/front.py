@@ -9,6 +9,7 @@ import json
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,10 +20,12 @@ from fibermelt.errors import ConfigError, legible
 from fibermelt.report.lazily import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.finished import Finished, read_finished
-from fibermelt.study.loading import Study, load_study
+from fibermelt.study.loading import Study, load_study, resolve
 from fibermelt.study.outputs import has_run
 from fibermelt.study.progress import Observer, observing
 from fibermelt.study.runner import run_study as run_into
+from fibermelt.study.runner import summarize
+from fibermelt.study.schema import REPORT
 from fibermelt.study.sweep.collect import collect_sweep
 from fibermelt.study.sweep.design import read_sweep
 from fibermelt.study.sweep.runner import run_sweep
@@ -31,8 +34,8 @@ from fibermelt.study.variables import study_of
 
 __all__ = ["StudyAccessor", "open_results", "run_study", "sweep"]
 
-SUMMARY = "summary"
-"""The attribute of a dataset that holds summary.json."""
+COST = "cost"
+"""The attribute of a dataset that holds what each stage took, as JSON."""
 
 
 def run_study(
@@ -40,7 +43,7 @@ def run_study(
     overrides: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
     *,
-    page: bool = False,
+    page: bool | None = None,
     fresh: bool = False,
     progress: bool = False,
 ) -> xr.Dataset:
@@ -57,8 +60,8 @@ def run_study(
     out : str or Path, optional
         The results folder: stages that are stored there already are not computed again, as with
         ``fibermelt run``. Without one nothing is kept on the disk.
-    page : bool
-        Whether to draw the figures and write the page into ``out``.
+    page : bool, optional
+        Whether to draw the figures and write the page into ``out``: by default where it has one.
     fresh : bool
         Whether to compute everything again.
     progress : bool
@@ -84,12 +87,13 @@ def run_study(
         msg = "page = True: needs out, the folder that the page is written into"
         raise ConfigError(msg)
     with _folder(out) as folder, _observer(progress) as observer:
+        drawn = (folder / REPORT).is_file() if page is None else page
         run_into(
             read,
             folder,
             CHAIN,
-            draw=draw if page else None,
-            report=render if page else None,
+            draw=draw if drawn else None,
+            report=render if drawn else None,
             fresh=fresh,
             observer=observer,
         )
@@ -193,7 +197,7 @@ class StudyAccessor:
     Parameters
     ----------
     results : xarray.Dataset
-        Results of `run_study`, `sweep` or `open_results`, or a part of them.
+        Results of `run_study`, `sweep` or `open_results`, or the content of a results.nc.
     """
 
     def __init__(self, results: xr.Dataset) -> None:
@@ -206,35 +210,44 @@ class StudyAccessor:
         Raises
         ------
         ConfigError
-            If the results are not those of a run: a sweep has none.
+            If the results are not those of a run, whole: a sweep has none.
         """
-        if SUMMARY not in self._results.attrs:
+        if not self._is_run:
             msg = "results.fibermelt.summary: is of a run; these are no results of run_study"
             raise ConfigError(msg)
-        found: dict[str, Any] = json.loads(self._results.attrs[SUMMARY])
-        return found
+        try:
+            found = summarize(self._results, resolve(self.study), CHAIN)
+        except (KeyError, ValueError) as error:
+            msg = f"results.fibermelt.summary: is of whole results, and these lack some: {error}"
+            raise ConfigError(msg) from error
+        found["cost"] = json.loads(self._results.attrs.get(COST, "{}"))
+        told: dict[str, Any] = json.loads(json.dumps(found))
+        return told
 
     @property
     def study(self) -> dict[str, Any]:
         """Return the study as it was run: its tables, every parameter, in SI."""
         return study_of(self._results)
 
+    @property
+    def _is_run(self) -> bool:
+        return "config" in self._results.attrs and "sweep" not in self._results.attrs
+
     def __repr__(self) -> str:
         """Return what the results tell, in a few lines."""
-        title = str(self._results.attrs.get("title", "results"))
-        if SUMMARY not in self._results.attrs:
+        title = str(self._results.attrs.get("title", "no results of fibermelt"))
+        if not self._is_run:
             sizes = {str(name): size for name, size in self._results.sizes.items()}
             varied = [name for name in sizes if "." in name or name == "case"]
             over = " x ".join(f"{name} ({sizes[name]})" for name in varied)
-            return f"{title}: {f'over {over}' if over else 'one case'}"
-        parts = CHAIN.asked(self.study["study"]["parts"])
-        lines = [title, *(line for part in parts for line in part.words(self.summary))]
-        return "\n".join(lines)
+            return f"{title}: over {over}" if over else title
+        parts, summary = CHAIN.asked(self.study["study"]["parts"]), self.summary
+        return "\n".join([title, *(line for part in parts for line in part.words(summary))])
 
     def _repr_html_(self) -> str:
         """Return the same for a notebook: the answer that the page begins with."""
-        if SUMMARY not in self._results.attrs:
-            return f"<p>{repr(self).replace('<', '&lt;')}</p>"
+        if not self._is_run:
+            return f"<p>{escape(repr(self))}</p>"
         from fibermelt.report.answer import answer  # noqa: PLC0415  lazy: matplotlib
 
         return str(answer(self._results, self.summary))
@@ -276,5 +289,5 @@ def _observer(progress: bool) -> Iterator[Observer | None]:
 
 
 def _dataset(finished: Finished) -> xr.Dataset:
-    """Return results with their summary among the attributes: as text, which files take."""
-    return finished.results.assign_attrs({SUMMARY: json.dumps(finished.summary)})
+    """Return results with what they cost among the attributes."""
+    return finished.results.assign_attrs({COST: json.dumps(finished.summary["cost"])})

@@ -184,7 +184,7 @@ BESIDE = (
     ("summary.json", "", "the numbers that a script asks for"),
     ("config.toml", "", "the study, with every default: it runs again to the same"),
     ("flow.vtu", "bead", "the flow, for ParaView"),
-    ("export/", "", "after `fibermelt export`: tables (CSV), and streamlines for ParaView"),
+    ("export/", "", "after fibermelt export: tables (CSV), and streamlines for ParaView"),
 )
 """What lies beside the page: its name, the part of a study that it is of, and what it is."""
 

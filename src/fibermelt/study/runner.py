@@ -28,10 +28,11 @@ from fibermelt.study.toml import resolved_toml
 if TYPE_CHECKING:
     import xarray as xr
 
+    from fibermelt.study.config import Config
     from fibermelt.study.loading import Study
     from fibermelt.study.parameters import Value
 
-__all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions"]
+__all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions", "summarize"]
 
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
@@ -94,6 +95,26 @@ def run_study(
         return run.into(store, fresh=fresh)
     finally:
         store.discard_if_empty()
+
+
+def summarize(results: xr.Dataset, config: Config, chain: Chain) -> dict[str, Any]:
+    """Return what summary.json says of results, but for what they cost.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        As in results.nc.
+    config : Config
+        The study that they are of.
+    chain : Chain
+        What it went through.
+    """
+    summary: dict[str, Any] = {"schema": SCHEMA}
+    if notes := study_notes(config):
+        summary["notes"] = notes
+    for part in chain.asked(config.study.parts):
+        summary |= part.summarize(results)
+    return summary
 
 
 @dataclass(frozen=True)
@@ -240,12 +261,7 @@ class _Run:
             "software": json.dumps(software_versions()),
         }
         parts = self.chain.asked(self.study.config.study.parts)
-        summary: dict[str, Any] = {"schema": SCHEMA}
-        if notes := study_notes(self.study.config):
-            summary["notes"] = notes
-        for part in parts:
-            summary |= part.summarize(results)
-        summary["cost"] = dict(cost)
+        summary = {**summarize(results, self.study.config, self.chain), "cost": dict(cost)}
 
         def write(folder: Path) -> None:
             write_through(folder / "config.toml", config.encode())
