@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fibermelt.flow.equilibrium import equilibrate
+from fibermelt.flow.equilibrium import Equilibrium
 from fibermelt.flow.forms import (
     INTEGRATION_BONUS,
     Elements,
@@ -26,7 +26,7 @@ from fibermelt.flow.forms import (
     residual_form,
 )
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest
+from fibermelt.flow.linear import CondensedForm, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
 from fibermelt.flow.strain import HeldStrain
 from fibermelt.melt import Newtonian, ViscosityLaw
@@ -78,7 +78,7 @@ class FreeSurfaceFlow:
 
     Making one solves the flow with the mesh held (the coupled matrix is singular at rest); each
     `step` is one Newton step of the coupled problem, shortened if it would tangle the mesh. A melt
-    that thins follows the stress ahead of it with every step (`HeldStrain`).
+    that thins follows the stress ahead of it (`HeldStrain`), and settles with the mesh held.
     """
 
     @exclusive
@@ -109,14 +109,15 @@ class FreeSurfaceFlow:
         self._make_forms(elements)
         self._set_given_velocity()
         at_rest = self._state.vec[: spaces.flow.ndof]
+        self._equilibrium: Equilibrium | None = None
         if self._law.is_newtonian:
             solve_at_rest(spaces.flow, elements, at_rest, self._residual)
             return
-        scale = load_of(self._matrix.free, at_rest, self._residual)[1]
+        self._equilibrium = Equilibrium(spaces.flow, self._stress, at_rest, self._residual)
         if before is not None:
             for held in self._stress.held:
                 held.hold(before.strain_near(held.places))
-        equilibrate(spaces.flow, self._stress, at_rest, self._residual, scale)
+        self._equilibrium.settle()
 
     @property
     def velocity(self) -> ng.GridFunction:
@@ -233,6 +234,8 @@ class FreeSurfaceFlow:
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
         self._stress.follow()
+        if self._equilibrium is not None:
+            self._equilibrium.settle()
         return Step(*met, size, fraction, jacobian)
 
     @exclusive

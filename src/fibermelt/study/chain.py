@@ -134,7 +134,7 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            5,
+            6,
             ("flow", LAW, *FLOW_NUMERICS),
             (),
             flow_stage,
