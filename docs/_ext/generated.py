@@ -92,10 +92,18 @@ def names() -> str:
     import fibermelt  # noqa: PLC0415  lazy, as in parameters
 
     docs = {name: inspect.getdoc(getattr(fibermelt, name)) or "" for name in fibermelt.__all__}
-    rows = (
-        (f"{{py:obj}}`~fibermelt.{name}`", doc.partition("\n")[0]) for name, doc in docs.items()
-    )
+    rows = ((f"{{py:obj}}`{_at(name)}`", doc.partition("\n")[0]) for name, doc in docs.items())
     return _table(("name", "what it is"), rows)
+
+
+def _at(name: str) -> str:
+    """Return where a public name is documented; that of a module is where the module is."""
+    import fibermelt  # noqa: PLC0415  lazy, as in parameters
+
+    found = getattr(fibermelt, name)
+    return (
+        f"fibermelt.{name} <{found.__name__}>" if inspect.ismodule(found) else f"~fibermelt.{name}"
+    )
 
 
 def variables() -> str:

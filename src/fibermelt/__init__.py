@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from fibermelt.fiber.shape import Ellipse
     from fibermelt.fiber.stall import stall_curve
     from fibermelt.fiber.tumbling import tumble
+    from fibermelt.fields.field import Field
+    from fibermelt.fields.mapping import FieldMap
+    from fibermelt.fields.reading import describe_field, read_field
     from fibermelt.flow.deposition import solve_deposition
     from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
     from fibermelt.flow.streamlines import trace_streamlines
@@ -67,6 +70,10 @@ _HOMES = {
     "stall_curve": "fiber.stall",
     "tumble": "fiber.tumbling",
     "unbounded_model": "fiber.models",
+    "Field": "fields.field",
+    "FieldMap": "fields.mapping",
+    "describe_field": "fields.reading",
+    "read_field": "fields.reading",
     "closure": "orientation.closures",
     "follow_orientation": "orientation.evolve",
     "steady_distribution": "orientation.fokker_planck",
@@ -104,6 +111,8 @@ __all__ = [
     "Deposition",
     "Ellipse",
     "FibermeltError",
+    "Field",
+    "FieldMap",
     "FlowHistory",
     "FlowNumerics",
     "FolgarTucker",
@@ -114,6 +123,7 @@ __all__ = [
     "PowerLaw",
     "StoreError",
     "closure",
+    "describe_field",
     "extremes",
     "follow",
     "follow_orientation",
@@ -123,6 +133,7 @@ __all__ = [
     "paper_angles",
     "plot",
     "pressure_bounds",
+    "read_field",
     "run_study",
     "simple_shear",
     "solve_cell",

@@ -56,7 +56,7 @@ def run_study(
         is a text with a unit, or a number in SI.
     out : str or Path, optional
         The results folder: stages that are stored there already are not computed again, as with
-        `fibermelt run`. Without one nothing is kept on the disk.
+        ``fibermelt run``. Without one nothing is kept on the disk.
     page : bool
         Whether to draw the figures and write the page into ``out``.
     fresh : bool
@@ -67,7 +67,7 @@ def run_study(
     Returns
     -------
     xarray.Dataset
-        The content of results.nc, in SI. ``results.fm.summary`` is that of summary.json.
+        The content of results.nc, in SI. ``results.fibermelt.summary`` is that of summary.json.
 
     Raises
     ------
@@ -131,8 +131,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        As of `fibermelt collect`: over what varies, NaN where a case has no answer; ``status`` and
-        ``reason`` tell why. A warning tells that there are such cases.
+        As of ``fibermelt collect``: over what varies, NaN where a case has no answer; ``status``
+        and ``reason`` tell why. A warning tells that there are such cases.
 
     Raises
     ------
@@ -186,9 +186,9 @@ def open_results(directory: str | Path) -> xr.Dataset:
     return _dataset(read_finished(folder))
 
 
-@xr.register_dataset_accessor("fm")  # type: ignore[no-untyped-call]  # by xarray
+@xr.register_dataset_accessor("fibermelt")  # type: ignore[no-untyped-call]  # by xarray
 class StudyAccessor:
-    """What results tell of their study: ``results.fm``.
+    """What results tell of their study: ``results.fibermelt``.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ class StudyAccessor:
             If the results are not those of a run: a sweep has none.
         """
         if SUMMARY not in self._results.attrs:
-            msg = "results.fm.summary: is of a run; these are no results of fibermelt.run_study"
+            msg = "results.fibermelt.summary: is of a run; these are no results of run_study"
             raise ConfigError(msg)
         found: dict[str, Any] = json.loads(self._results.attrs[SUMMARY])
         return found

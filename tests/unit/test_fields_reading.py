@@ -374,7 +374,20 @@ def test_wrong_length_and_truncated(tmp_path: Path) -> None:
         read_field(path)
 
 
-def test_a_comma_for_a_point_is_told(tmp_path: Path) -> None:
+def test_decimal_commas_are_told(tmp_path: Path) -> None:
+    path = fluent(tmp_path, sample(SLIT, 4), between=" ")
+    path.write_text(path.read_text().replace(".", ","))
+    with pytest.raises(ConfigError, match=r"line 2 has 12 values.* decimal commas are not read"):
+        read_field(path)
+    path = spreadsheet(tmp_path, sample(SLIT, 4))
+    lines = path.read_text().splitlines()
+    lines[9:] = [line.replace(".", ",") for line in lines[9:]]
+    path.write_text("\n".join(lines))
+    with pytest.raises(ConfigError, match=r"10 columns.* export it again, with decimal points"):
+        read_field(path)
+
+
+def test_what_is_no_number_is_told(tmp_path: Path) -> None:
     path = spreadsheet(tmp_path, sample(SLIT, 4))
     text = path.read_text().splitlines()
     text[-1] = text[-1].replace(" ", "abc ", 1)

@@ -1,9 +1,13 @@
 """What is set on the command line: nothing is set twice, and nothing without effect."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from fibermelt.errors import ConfigError
 from fibermelt.study.loading import load_study
+from fibermelt.study.overrides import read_tables
 
 SWEPT = """preset = "paper"
 study.parts = ["bead"]
@@ -58,3 +62,48 @@ def test_what_every_case_sets_anew_is_not_set(tmp_path, key, over, where):
 def test_the_study_itself_is_a_case_of_one_at_a_time():
     overrides = ["flow.gap=3.2 mm", "sweep.design=one-at-a-time"]
     assert load_study("paper", overrides, ["flow.gap=3 mm, 4 mm"]).config.flow.gap == 0.0032
+
+
+def test_keys_and_tables_of_python_are_tables():
+    given = {
+        "preset": "paper",
+        "flow.gap": np.float64(3e-3),
+        "flow": {"bed_speed": "0.1 m/s"},
+        "fiber": {"initial_angles": (0, "45 deg")},
+        "streamlines.count": np.int64(3),
+        "melt.material": Path("mine.toml"),
+        "sweep": {"flow.gap": ["3 mm"], "design": "grid"},
+    }
+    found = read_tables(given)
+    assert found == {
+        "preset": "paper",
+        "flow": {"gap": 3e-3, "bed_speed": "0.1 m/s"},
+        "fiber": {"initial_angles": [0, "45 deg"]},
+        "streamlines": {"count": 3},
+        "melt": {"material": "mine.toml"},
+        "sweep": {"flow.gap": ["3 mm"], "design": "grid"},
+    }
+    assert type(found["flow"]["gap"]) is float
+    assert type(found["streamlines"]["count"]) is int
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (
+            {"flow.gap": 1, "flow": {"gap": 2}},
+            r"^flow\.gap: is given twice, as 1 and as 2: name it",
+        ),
+        (
+            {"flow": {"gap": 2}, "flow.gap": 1},
+            r"^flow\.gap: is given twice, as 2 and as 1: name it",
+        ),
+        ({"flow": 3, "flow.gap": 1}, r"^flow: is given twice, as 3 and as 1"),
+        ({7: 1}, r'^7: is no key of a study: write it as "flow.gap"'),
+        ({"flow..gap": 1}, r"^flow\.\.gap: is no key of a study"),
+        ({"flow": {7: 1}}, r"^7: is no key of a study"),
+    ],
+)
+def test_what_stands_for_no_table_in_python(given, words):
+    with pytest.raises(ConfigError, match=words):
+        read_tables(given)

@@ -8,11 +8,10 @@ import pytest
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.dieswell import swell_problem
-from fibermelt.flow.forms import Unknowns, ViscousStress, stokes_form
+from fibermelt.flow.forms import MeltStress, Unknowns, ViscousStress, stokes_form
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.linear import LARGEST_RESIDUAL, CondensedForm, solve_at_rest
 from fibermelt.flow.spaces import elements_of, spaces_on
-from fibermelt.melt import Newtonian
 
 ORDERS = [2, 3, 5]
 
@@ -25,8 +24,9 @@ def test_flow_at_rest_is_that_of_a_direct_solve(order: int) -> None:
     space, elements = spaces_on(mesh, boundaries, order).flow, elements_of(mesh, boundaries)
     trial, test = space.TnT()
     form = ng.BilinearForm(space)
-    stress = ViscousStress(ng.Grad(trial[0]), Newtonian(1.0))
-    for term in stokes_form(Unknowns(trial, test, None, None), elements, stress):
+    one = ViscousStress(ng.Grad(trial[0]))
+    stress = MeltStress(elements, one, one)
+    for term in stokes_form(Unknowns(trial, test, None, None), stress):
         form += term
     form.Assemble()
     direct = ng.GridFunction(space)

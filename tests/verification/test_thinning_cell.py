@@ -14,11 +14,11 @@ from fibermelt.fiber.cell.table import solve_thinning, surface_extremes
 from fibermelt.fiber.cell.thinning import (
     THINNING_NUMERICS,
     ThinningCell,
-    strain_of_stress,
     thinning_flow_around,
 )
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
+from fibermelt.melt.strain import strain_of_stress
 
 FIBER, CELL = Ellipse(1.0, 6.0), 4.0
 """The paper's fiber in its cell."""

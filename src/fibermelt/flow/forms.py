@@ -15,16 +15,18 @@ and no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import ngsolve as ng
 
-from fibermelt.melt import ViscosityLaw
+from fibermelt.flow.strain import HeldStrain
 
 __all__ = [
     "INTEGRATION_BONUS",
     "Elements",
+    "MeltStress",
     "Unknowns",
     "ViscousStress",
     "jacobian_form",
@@ -89,56 +91,88 @@ def _tr(w: Form) -> Form:
 class ViscousStress:
     """The stress of a melt without its pressure, ``2 eta D + gamma div u I``, and its derivative.
 
-    With ``s = 2 D:D``, ``eta = eta(s)``, the derivative in the direction ``w`` is
-    ``2 eta D(w) + 8 (d eta/ds) (D:D(w)) D + gamma div w I``: symmetric, and positive where the
-    stress grows with the rate.
-
     Parameters
     ----------
     gradient : expression
         Velocity gradient of the present state.
-    law : ViscosityLaw
-        In scaled units: its viscosity is of order one at the rates of the flow.
-    thinning, known : expressions
-        The viscosity is ``known^(1 - t) eta^t`` with ``t = thinning``: it leads from one that is
-        known to the law's.
+    held : HeldStrain, optional
+        Of a melt that thins, in scaled units: the stress is the one ahead of what is held. Without,
+        the viscosity is one.
     """
 
-    def __init__(
-        self,
-        gradient: Form,
-        law: ViscosityLaw,
-        thinning: Form = 1.0,
-        known: Form = 1.0,
-    ) -> None:
-        """Write the viscosity and its derivative down, once."""
-        self.gradient, self._D = gradient, _sym(gradient)
-        self.viscosity = self._eta = ng.CF(1.0)
-        self._slope = None
-        if not law.is_newtonian:
-            self.viscosity, slope = law.expression(2 * ng.InnerProduct(self._D, self._D))
-            ratio = self.viscosity / known
-            self._eta, self._slope = (
-                known * ratio**thinning,
-                thinning * ratio ** (thinning - 1) * slope,
-            )
+    def __init__(self, gradient: Form, held: HeldStrain | None = None) -> None:
+        """Keep what the stress is made of."""
+        self.gradient, self.held = gradient, held
 
     @property
     def value(self) -> Form:
         """Return the stress."""
-        return self._linear(self.gradient)
+        if self.held is None:
+            return self.along(self.gradient)
+        return self._along(self.gradient, _sym(self.gradient) - self.held.strain)
+
+    @property
+    def behind(self) -> Form:
+        """Return the stress of what is held, which a shape's derivative has."""
+        if self.held is None:
+            return self.value
+        shear = 2 * self.held.viscosity * self.held.strain
+        return shear + GRAD_DIV * _tr(self.gradient) * ng.Id(2)
 
     def along(self, w: Form) -> Form:
-        """Return the stress's derivative with the velocity gradient, in the direction ``w``."""
-        if self._slope is None:
-            return self._linear(w)
-        turned = 8 * self._slope * ng.InnerProduct(self._D, _sym(w))
-        return self._linear(w) + turned * self._D
+        """Return the stress's derivative with the velocity gradient, in the direction ``w``.
 
-    def _linear(self, w: Form) -> Form:
+        Symmetric, and positive where the stress grows with the rate.
+        """
+        return self._along(w, w)
+
+    def _along(self, w: Form, ahead: Form) -> Form:
         spherical = GRAD_DIV * _tr(w) * ng.Id(2)
-        shear = 2 * _sym(w) if self._slope is None else 2 * self._eta * _sym(w)
-        return shear + spherical
+        if self.held is None:
+            return 2 * _sym(w) + spherical
+        turned = 8 * self.held.slope * ng.InnerProduct(self.held.strain, ahead)
+        return 2 * self.held.viscosity * _sym(w) + spherical + turned * self.held.strain
+
+
+@dataclass(frozen=True, eq=False)
+class MeltStress:
+    """The stress over the melt: by elements, as these are integrated at points of their own.
+
+    Parameters
+    ----------
+    elements : Elements
+        All of them.
+    curved, straight : ViscousStress
+        In either kind; one and the same in a Newtonian melt.
+    """
+
+    elements: Elements
+    curved: ViscousStress
+    straight: ViscousStress
+
+    @property
+    def held(self) -> tuple[HeldStrain, ...]:
+        """Return what is held in curved and in straight elements, if the melt thins."""
+        both = (self.curved.held, self.straight.held)
+        return tuple(held for held in both if held is not None)
+
+    def follow(self) -> None:
+        """Linearise at the strain whose stress is the one ahead."""
+        for held in self.held:
+            held.follow()
+
+    def over(
+        self, integrand: Callable[[ViscousStress], Form], *, moving: bool = False
+    ) -> list[Form]:
+        """Return the integrals of what has a stress, as `Elements.over`."""
+        if not self.held:
+            return self.elements.over(integrand(self.straight), moving=moving)
+        straight = self.elements.straight_moving if moving else self.elements.straight
+        pairs = ((self.curved, self.elements.curved), (self.straight, straight))
+        return [
+            integrand(stress) * ng.dx(definedonelements=some, intrules=held.rules)
+            for (stress, some), held in zip(pairs, self.held, strict=True)
+        ]
 
 
 def _upwind(m: Form, velocity: Form) -> Form:
@@ -154,24 +188,29 @@ def _upwind(m: Form, velocity: Form) -> Form:
     return m + UPWIND * downstream * ng.specialcf.mesh_size * along
 
 
-def stokes_form(unknowns: Unknowns, elements: Elements, stress: ViscousStress) -> list[Form]:
+def stokes_form(unknowns: Unknowns, melt: MeltStress) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
     v, q, *_ = unknowns.test
-    momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
-    return elements.over(momentum - q * ng.div(u))
+
+    def integrand(stress: ViscousStress) -> Form:
+        momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
+        return momentum - q * ng.div(u)
+
+    return melt.over(integrand)
 
 
-def residual_form(
-    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str
-) -> list[Form]:
+def residual_form(unknowns: Unknowns, melt: MeltStress, free: str) -> list[Form]:
     """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
     v, q, _, m = unknowns.test
-    total = stress.value - unknowns.pressure * ng.Id(2)
-    melt = ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
+
+    def integrand(stress: ViscousStress) -> Form:
+        total = stress.value - unknowns.pressure * ng.Id(2)
+        return ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
+
     normal = ng.specialcf.normal(2)
     return [
-        *elements.over(melt),
+        *melt.over(integrand),
         _upwind(m, unknowns.velocity)
         * (normal * unknowns.velocity)
         * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
@@ -179,7 +218,7 @@ def residual_form(
 
 
 def jacobian_form(
-    unknowns: Unknowns, elements: Elements, stress: ViscousStress, free: str, rate: ng.Parameter
+    unknowns: Unknowns, melt: MeltStress, free: str, rate: ng.Parameter
 ) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
@@ -190,14 +229,18 @@ def jacobian_form(
     """
     u, _, d, lam = unknowns.trial
     v, q, e, m = unknowns.test
-    gradient, move, test_move = stress.gradient, ng.Grad(d), ng.Grad(e)
-    total = stress.value - unknowns.pressure * ng.Id(2)
-    shape = (
-        ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
-        - ng.InnerProduct(total, ng.Grad(v) * move)
-        - ng.InnerProduct(stress.along(gradient * move), ng.Grad(v))
-        - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
-    )
+    move, test_move = ng.Grad(d), ng.Grad(e)
+
+    def shape(stress: ViscousStress) -> Form:
+        gradient = stress.gradient
+        total = stress.behind - unknowns.pressure * ng.Id(2)
+        return (
+            ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
+            - ng.InnerProduct(total, ng.Grad(v) * move)
+            - ng.InnerProduct(stress.along(gradient * move), ng.Grad(v))
+            - q * (_tr(gradient) * _tr(move) - _tr(gradient * move))
+        )
+
     elastic = 2 * ng.InnerProduct(_sym(move), _sym(test_move)) + _tr(move) * _tr(test_move)
     solid = elastic / ng.specialcf.mesh_size
     normal, tangent = ng.specialcf.normal(2), ng.specialcf.tangential(2)
@@ -207,9 +250,9 @@ def jacobian_form(
     string = STRING_STIFFNESS * (tangent * slope) * (tangent * test_slope)
     on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
     return [
-        *stokes_form(unknowns, elements, stress),
-        *elements.over(shape, moving=True),
-        *elements.over(solid, moving=True),
+        *stokes_form(unknowns, melt),
+        *melt.over(shape, moving=True),
+        *melt.elements.over(solid, moving=True),
         _upwind(m, unknowns.velocity)
         * (normal * u.Trace() + turned - rate * (normal * d.Trace()))
         * on_surface,

@@ -15,18 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fibermelt.flow.equilibrium import Equilibration
+from fibermelt.flow.equilibrium import equilibrate
 from fibermelt.flow.forms import (
+    INTEGRATION_BONUS,
     Elements,
+    MeltStress,
     Unknowns,
     ViscousStress,
     jacobian_form,
     residual_form,
-    stokes_form,
 )
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm, load_of, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
+from fibermelt.flow.strain import HeldStrain
 from fibermelt.melt import Newtonian, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -42,7 +44,7 @@ SMALLEST_FRACTION = 0.3
 
 
 NEAREST, NEARLY = 6, 1e-9
-"""A viscosity between meshes is the mean over this many corners of triangles, weighted by the
+"""A strain between meshes is the mean over this many corners of triangles, weighted by the
 inverse of their distance [widths]."""
 
 
@@ -76,7 +78,7 @@ class FreeSurfaceFlow:
 
     Making one solves the flow with the mesh held (the coupled matrix is singular at rest); each
     `step` is one Newton step of the coupled problem, shortened if it would tangle the mesh. A melt
-    that thins is then brought to equilibrium with the mesh held, before the next step.
+    that thins follows the stress ahead of it with every step (`HeldStrain`).
     """
 
     @exclusive
@@ -90,8 +92,8 @@ class FreeSurfaceFlow:
     ) -> None:
         """Set the problem up on ``mesh`` and solve the flow on it as it is.
 
-        Without a ``law`` [scaled units] the melt is Newtonian. The viscosity of a flow ``before``,
-        on another mesh of nearly the same shape, is where that of this one starts.
+        Without a ``law`` [scaled units] the melt is Newtonian. The strain of a flow ``before``, on
+        another mesh of nearly the same shape, is where that of a melt that thins starts.
         """
         self.mesh = mesh
         self.boundaries = boundaries
@@ -103,25 +105,18 @@ class FreeSurfaceFlow:
         self.displacement = ng.GridFunction(spaces.displacement)
         self._trial_displacement = ng.GridFunction(spaces.displacement)
         self._law = Newtonian(1.0) if law is None else law
-        self._known = ng.GridFunction(ng.H1(mesh, order=1))
-        self._known.vec.FV().NumPy()[:] = 1.0
         elements = elements_of(mesh, boundaries)
         self._make_forms(elements)
         self._set_given_velocity()
         at_rest = self._state.vec[: spaces.flow.ndof]
-        self._equilibration = None
         if self._law.is_newtonian:
             solve_at_rest(spaces.flow, elements, at_rest, self._residual)
-        else:
-            trial, test = spaces.flow.TnT()
-            terms = stokes_form(Unknowns(trial, test, None, None), elements, self._stress)
-            self._thinning.Set(0.0)
-            scale = load_of(self._matrix.free, at_rest, self._residual)[1]
-            if before is not None:
-                self._known.vec.FV().NumPy()[:] = before.viscosity_near(mesh.ngmesh.Coordinates())
-            self._equilibration = Equilibration(
-                spaces.flow, terms, at_rest, self._residual, self._thinning, scale
-            )
+            return
+        scale = load_of(self._matrix.free, at_rest, self._residual)[1]
+        if before is not None:
+            for held in self._stress.held:
+                held.hold(before.strain_near(held.places))
+        equilibrate(spaces.flow, self._stress, at_rest, self._residual, scale)
 
     @property
     def velocity(self) -> ng.GridFunction:
@@ -152,14 +147,28 @@ class FreeSurfaceFlow:
         trial, test = self._space.TnT()
         unknowns = Unknowns(tuple(trial), tuple(test), self.velocity, self.pressure)
         free = self.boundaries.free
-        self._rate, self._thinning = ng.Parameter(0.0), ng.Parameter(1.0)
-        gradient = ng.Grad(self.velocity)
-        self._stress = ViscousStress(gradient, self._law, self._thinning, self._known)
-        self._jacobian = jacobian_form(unknowns, elements, self._stress, free, self._rate)
+        self._rate = ng.Parameter(0.0)
+        self._stress = self._melt_stress(elements)
+        self._jacobian = jacobian_form(unknowns, self._stress, free, self._rate)
         self._matrix = CondensedForm(self._space, self._jacobian, "umfpack", symmetric=False)
         self._residual = ng.LinearForm(self._space)
-        for term in residual_form(unknowns, elements, self._stress, free):
+        for term in residual_form(unknowns, self._stress, free):
             self._residual += term.Compile()
+
+    def _melt_stress(self, elements: Elements) -> MeltStress:
+        """Return the stress; of a melt that thins at the points that the residual is taken at."""
+        gradient = ng.Grad(self.velocity)
+        if self._law.is_newtonian:
+            same = ViscousStress(gradient)
+            return MeltStress(elements, same, same)
+        parts = ((elements.curved, INTEGRATION_BONUS), (elements.straight, 0))
+        curved, straight = (
+            ViscousStress(
+                gradient, HeldStrain(self.mesh, self._law, gradient, some, 2 * self.order + bonus)
+            )
+            for some, bonus in parts
+        )
+        return MeltStress(elements, curved, straight)
 
     def _solve(self, reuse: bool) -> tuple[ng.BaseVector, Array]:
         """Return the correction of the present state and its residual.
@@ -223,20 +232,20 @@ class FreeSurfaceFlow:
         present[:] = trial
         self._state.vec.data -= fraction * correction
         self.mesh.SetDeformation(self.displacement)
-        if self._equilibration is not None:
-            self._equilibration.settle()
+        self._stress.follow()
         return Step(*met, size, fraction, jacobian)
 
     @exclusive
-    def viscosity_near(self, points: Array) -> Array:
-        """Return the viscosity at ``points`` (n, 2), in scaled units, from the mesh's vertices."""
+    def strain_near(self, points: Array) -> Array:
+        """Return the strain 11, 22, 12 at ``points`` (n, 2), (3, n), from the mesh's corners."""
         rule = ng.IntegrationRule([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], [0.0] * 3)
         at = self.mesh.MapToAllElements(rule, ng.VOL)
-        sampled = np.asarray(ng.CF((ng.x, ng.y, self._stress.viscosity))(at))
+        D = ng.Sym(ng.Grad(self.velocity))
+        sampled = np.asarray(ng.CF((ng.x, ng.y, D[0, 0], D[1, 1], D[0, 1]))(at))
         distance, nearest = cKDTree(sampled[:, :2]).query(points, k=NEAREST)
         weight = 1.0 / (distance + NEARLY)
-        logs = np.log(sampled[nearest, 2])
-        return np.asarray(np.exp((weight * logs).sum(axis=1) / weight.sum(axis=1)))
+        mean = np.einsum("nk,nkc->cn", weight, sampled[nearest, 2:])
+        return np.asarray(mean / weight.sum(axis=1))
 
     @exclusive
     def surface(self, name: str, start: Array, samples: int = 4) -> Array:

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
 
 from fibermelt.errors import ConvergenceError
-from fibermelt.flow.forms import Elements, Unknowns, ViscousStress, stokes_form
-from fibermelt.melt import Newtonian
+from fibermelt.flow.forms import Elements, MeltStress, Unknowns, ViscousStress, stokes_form
 
 __all__ = ["CondensedForm", "load_of", "solve_at_rest", "without_pivots"]
 
@@ -137,8 +136,11 @@ def solve_at_rest(
         If refinement does not end.
     """
     trial, test = space.TnT()
-    stress = ViscousStress(ng.Grad(trial[0]), Newtonian(1.0))
-    matrix = without_pivots(space, stokes_form(Unknowns(trial, test, None, None), elements, stress))
+    stress = ViscousStress(ng.Grad(trial[0]))
+    matrix = without_pivots(
+        space,
+        stokes_form(Unknowns(trial, test, None, None), MeltStress(elements, stress, stress)),
+    )
     matrix.factorise()
     first = 0.0
     for count in range(MAX_PASSES):

@@ -38,13 +38,13 @@ from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.melt import Newtonian, ViscosityLaw
+from fibermelt.melt.strain import NOTHING, WEIGHTS, strain_of_stress
 from fibermelt.threads import exclusive
 
 __all__ = [
     "THINNING_NUMERICS",
     "CellAnswer",
     "ThinningCell",
-    "strain_of_stress",
     "thinning_flow_around",
     "thinning_grid",
     "torque_free_step",
@@ -69,18 +69,6 @@ deforms there (n = 0.35); with 1e-4 a fifth of the steps is saved, and the tip's
 
 MOST_STEPS = 40
 """Newton steps; 1 to 5 are taken for n = 0.35, up to 7 for 0.2."""
-
-MOST_INVERSIONS = 60
-"""Newton steps for the strain of a stress, in the logarithm; 3 to 6 are taken."""
-
-INVERSION_TOLERANCE = 1e-10
-"""Relative error of a rate at its stress, far below the residual's."""
-
-NOTHING = 1e-14
-"""Rate of deformation over the far field's that stands for none: its logarithm is taken."""
-
-WEIGHTS = np.array([1.0, 1.0, 2.0])
-"""Of the components 11, 22, 12 in a product of two symmetric tensors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,30 +98,6 @@ def thinning_grid(fiber: Ellipse, domain_size: float, numerics: CellNumerics) ->
         msg = 'numerics.cell mesh = "paper": a thinning melt needs the "graded" mesh'
         raise ConfigError(msg)
     return replace(grid, sharpening=SHARPENING)
-
-
-def strain_of_stress(law: ViscosityLaw, stress: Array, strain: Array) -> Array:
-    """Return the strain ``E`` [1/s] whose stress ``2 eta(gamma_dot) E`` [Pa] is given.
-
-    Parameters
-    ----------
-    law : ViscosityLaw
-        Its stress must grow with its rate.
-    stress : (3, k) array
-        Components 11, 22, 12.
-    strain : (3, k) array
-        A guess of its size.
-    """
-    size = np.sqrt(0.5 * (WEIGHTS @ stress**2))
-    wanted, rate = np.log(size + NOTHING), np.log(np.sqrt(2.0 * (WEIGHTS @ strain**2)) + NOTHING)
-    for _ in range(MOST_INVERSIONS):
-        s = np.exp(2.0 * rate)
-        viscosity, slope = law.expression(s)
-        step = (np.log(viscosity) + rate - wanted) / (1.0 + 2.0 * s * slope / viscosity)
-        rate -= step
-        if np.max(np.abs(step)) <= INVERSION_TOLERANCE:
-            break
-    return np.asarray(stress * (0.5 * np.exp(rate - wanted)))
 
 
 def torque_free_step(

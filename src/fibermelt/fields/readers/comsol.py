@@ -71,7 +71,7 @@ def _columns(path: Path, line: str, count: int) -> list[str]:
             return names
     msg = (
         f"field.file = {legible_path(path)}: {count} columns, but the headings "
-        f'"{legible(text)}" are others: export it again, each expression with its unit'
+        f'"{legible(text)}" are others: export it again, with decimal points and units'
     )
     raise ConfigError(msg)
 

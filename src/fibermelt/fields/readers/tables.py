@@ -76,9 +76,12 @@ def numbers(path: Path, lines: Sequence[str], columns: int, first: int) -> Array
         if not words:
             continue
         if len(words) != columns:
+            # counts, as of nodes, have none
+            comma = len(words) > columns and re.search(r"\d,\d+[eE ]", line) is not None
+            why = "decimal commas are not read" if comma else "the file is truncated or damaged"
             msg = (
                 f"field.file = {legible_path(path)}: line {number} has {len(words)} values, "
-                f"expected {columns}: the file is truncated or damaged; export it again"
+                f"expected {columns}: {why}; export it again"
             )
             raise ConfigError(msg)
         for word in words:

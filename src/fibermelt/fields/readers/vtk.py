@@ -97,7 +97,9 @@ def _pyvista(path: Path, kind: str) -> Any:
 
 
 def _damaged(path: Path, kind: str, reason: str) -> ConfigError:
-    line = legible(" ".join(reason.split()), 160)
+    # where in VTK's sources, and the address of an object, help nobody
+    plain = re.sub(r"(?:ERROR: )?In \S+, line \d+|\w+ \(0x[0-9a-f]+\):", "", reason)
+    line = legible(" ".join(plain.split()), 160)
     msg = (
         f"field.file = {legible_path(path)}: cannot be read as {kind}: truncated, damaged, or "
         f"written in another byte order; export it again" + (f" ({line})" if line else "")
