@@ -64,7 +64,7 @@ def has_population(collected: xr.Dataset, table: SweepTable) -> bool:
     """
     if not table.is_sampled or not {"extreme_mean", "near_singularity"} <= {*collected}:
         return False
-    if not {*NEEDED} <= {*collected["extreme_mean"].dims}:
+    if not {*NEEDED} <= {*collected["extreme_mean"].dims} or collected.sizes["location"] < 2:
         return False
     with_answer = np.isfinite(_lowest(collected, 1)).any(axis=1)
     return bool(np.count_nonzero(with_answer) > 1)

@@ -92,6 +92,8 @@ def _lowest_mean(location: int) -> Callable[[xr.Dataset], xr.DataArray | None]:
             return None
         if not {"location", "kind", "streamline"} <= set(map(str, collected["extreme_mean"].dims)):
             return None
+        if location not in collected["location"].to_numpy():
+            return None
         extreme = collected["extreme_mean"].sel(location=location, kind="min")
         return extreme.where(collected["near_singularity"] == 0).min("streamline")
 
@@ -116,6 +118,7 @@ RESPONSES: tuple[tuple[str, str, str, float, Find], ...] = (
     ("contact_point", "Contact point", "mm", MM, _plain("contact_point")),
     ("inlet_pressure", "Inlet pressure", "MPa", MPA, _plain("inlet_pressure")),
     ("bead_height", "Bead height", "mm", MM, _plain("bead_height")),
+    ("lowest_mean_0", "Lowest mean extreme", "MPa", MPA, _lowest_mean(0)),
     ("lowest_mean_1", "Lowest mean extreme, Loc. 1", "MPa", MPA, _lowest_mean(1)),
     ("lowest_mean_2", "Lowest mean extreme, Loc. 2", "MPa", MPA, _lowest_mean(2)),
     ("void_critical_moisture", "Critical moisture, worst fiber", "%", PERCENT, _moisture),
@@ -139,6 +142,7 @@ _EXTREME = (
 MEANINGS = {
     "contact_point": "x of where the upstream surface meets the bed; the nozzle's axis is at 0",
     "inlet_pressure": "mean over the inlet, over the air's",
+    "lowest_mean_0": _EXTREME.replace(", {where} the middle of the capillary", ""),
     "lowest_mean_1": _EXTREME.format(where="above"),
     "lowest_mean_2": _EXTREME.format(where="below"),
     "void_critical_moisture": (
