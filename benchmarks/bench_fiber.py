@@ -19,12 +19,11 @@ from fibermelt.fiber import (
     Ellipsoid,
     FiberModel,
     Spheroid,
-    body_axes,
     build_system,
     confined_model,
-    embed_planar,
-    equal_area_directions,
+    even_frames,
     follow_directors,
+    follow_ellipsoids,
     follow_newton,
     unbounded_ellipsoid,
     unbounded_model,
@@ -96,9 +95,9 @@ def work(form: str, path: fm.FlowHistory) -> tuple[Callable[[], object], int]:
     if form == "spheroid in planar flow":
         return lambda: [
             spatial_pressure(one, response, MU, follow_spatial(one, factor, start))
-            for one in path.histories
+            for one in path.lines
         ], count
-    gradient = embed_planar(path.gradient)[..., None, :, :, :]
+    gradient = path.gradient[..., None, :, :, :]
     if form == "spheroid in any flow":
 
         def directors() -> object:
@@ -106,14 +105,11 @@ def work(form: str, path: fm.FlowHistory) -> tuple[Callable[[], object], int]:
             return response.extremes(gradient, motion.direction)
 
         return directors, count
-    # no path has a closed form here: a step is the rotation's rate and the extremes, in body axes
-    ellipsoid = unbounded_ellipsoid(Ellipsoid(TRIAXIAL))
-    frames = np.stack([body_axes(p) for p in equal_area_directions(count)])[:, None]
-    back = np.swapaxes(frames, -1, -2)
+    ellipsoid, frames = unbounded_ellipsoid(Ellipsoid(TRIAXIAL)), even_frames(count)
 
     def triaxial() -> object:
-        local = back @ gradient @ frames
-        return ellipsoid.angular_velocity(local), ellipsoid.extremes(local)
+        motion = follow_ellipsoids(path, ellipsoid, frames)
+        return ellipsoid.turned_extremes(gradient, motion.direction, motion.second)
 
     return triaxial, count
 

@@ -33,6 +33,10 @@ LARGEST_MISS = 0.1
 bead, whose gradient is recovered from finite elements, has 1e-3."""
 
 
+FAINT = 1e-3
+"""Strain over a path, and change of the velocity in its parts, below which neither can be told from
+the rounding of the data, and no fiber turns."""
+
 FEWEST = 0.02
 """Part of the strain that every second point may miss before it is told: 200 points of the paper's
 streamline 7 have 0.006, 100 have 0.025 and 52, with which a pressure is a fifth off, 0.08."""
@@ -307,8 +311,9 @@ class FlowHistory(Unchanging):
             np.einsum(f"...{axes},...j->...i", self.gradient, self.velocity)
             for axes in ("ij", "ji")
         )
-        steadiness = _miss(self.velocity, flow, able, self.time)
-        transposed = _miss(self.velocity, turned, able, self.time)
+        least = FAINT * float(np.sum(np.max(speed, axis=-1)))
+        steadiness = _miss(self.velocity, flow, able, self.time, least)
+        transposed = _miss(self.velocity, turned, able, self.time, least)
         coarseness = _coarseness(self.gradient, self.time)
         told = []
         if transport > LARGEST_MISS:
@@ -347,15 +352,17 @@ OPTIONAL = ("viscosity", "temperature")
 """What need not be."""
 
 
-def _miss(values: Array, rate: Array, size: Array, time: Array) -> float:
+def _miss(values: Array, rate: Array, size: Array, time: Array, least: float = 0.0) -> float:
     """Return how far ``values`` (..., n, 3) are from the integral of their rate.
 
-    In parts of the larger of their way and the integral of the rate's ``size`` (..., n).
+    In parts of the largest of their way, the integral of the rate's ``size`` (..., n), and
+    ``least``.
     """
     step = np.diff(time, axis=-1)
     gone = np.diff(values, axis=-2)
     said = 0.5 * step[..., None] * (rate[..., 1:, :] + rate[..., :-1, :])
-    whole = max(_length(gone), float(np.sum(0.5 * step * (size[..., 1:] + size[..., :-1]))))
+    able = float(np.sum(0.5 * step * (size[..., 1:] + size[..., :-1])))
+    whole = max(_length(gone), able, least)
     return _length(gone - said) / whole if whole > 0.0 else 0.0
 
 
@@ -373,7 +380,7 @@ def _coarseness(gradient: Array, time: Array) -> float:
     between = (1.0 - part) * gradient[..., :-2, :, :] + part * gradient[..., 2:, :, :]
     miss = np.linalg.norm(gradient[..., 1:-1, :, :] - between, axis=(-2, -1))
     whole = float(np.sum(step * np.linalg.norm(gradient[..., 1:-1, :, :], axis=(-2, -1))))
-    return float(np.sum(step * miss)) / whole if whole > 0.0 else 0.0
+    return float(np.sum(step * miss)) / max(whole, 2.0 * FAINT * time[..., 0].size)
 
 
 def _refuse_infinite(name: str, value: Array, axes: int) -> None:

@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
+from exact_flows import PIPE
+from test_fields_field import exact_field
 
 import fibermelt
 from fibermelt.cli import app
@@ -132,20 +134,25 @@ def test_names_in_python_blocks_exist() -> None:
             assert name in fibermelt.__all__, f"{shown(path)}: fm.{name}"
 
 
-def test_the_how_to_of_streamlines_runs() -> None:
+def test_the_how_to_of_streamlines_runs(capsys: pytest.CaptureFixture[str]) -> None:
     """Its blocks one after the other, on the history that it offers to compare with."""
     given = fibermelt.simple_shear(1.0, 40.0)
     known: dict[str, Any] = {name: getattr(given, name) for name in ("time", "position")}
     known |= {"velocity": given.velocity, "pressure": given.pressure}
     # A trace as a solver leaves it, which the second block takes out and the first refuses.
     known["gradient"] = given.gradient + 1e-4 * np.eye(3)
-    first, second, check, third = (
+    first, second, check, through, space, third = (
         text for where, text in blocks("python") if "streamlines" in where
     )
     with pytest.raises(fibermelt.HistoryError, match="has trace"):
         exec(first, known)
-    for text in (second, first, check, third):
+    known["field"] = exact_field(PIPE, 3)
+    for text in (second, first, check, through, space):
         exec(text, known)
+    assert capsys.readouterr().out.count("outlet") == 22
+    worst = known["bounds"].lowest
+    assert np.all(worst * (1 + 1e-12) <= known["pressure"].lowest.min(axis=0))
+    exec(third, known)
     assert np.abs(known["history"].gradient - given.gradient).max() < 1e-15
     assert np.all(known["bound"].lowest <= known["pressure"].lowest.min(axis=0))
     ellipse = fibermelt.unbounded_model("ellipse", fibermelt.Ellipse(42e-6, 6.0)).response

@@ -67,12 +67,13 @@ def without(field: Field, is_gone: Callable[[Array], Array]) -> Field:
     """Return the field without the cells whose centres are named, as where a file has NaN."""
     keep = ~is_gone(field.points[field.cells].mean(axis=1))
     cells, kept = used_only(field.cells[keep], len(field.points))
-    nodal = ("points", "velocity", "gradient", "gradient_error", "divergence", "near_wall")
+    nodal = ("points", "velocity", "gradient", "gradient_error", "divergence")
+    flags = ("near_wall", "near_edge", "cut")
     return replace(
         field,
         cells=cells,
         pressure=field.pressure[kept],
-        **{name: getattr(field, name)[kept] for name in nodal},
+        **{name: getattr(field, name)[kept] for name in (*nodal, *flags)},
     )
 
 
@@ -291,6 +292,17 @@ def test_a_line_that_leaves_where_nothing_flows_out_ends_at_a_wall() -> None:
     assert only(drifting, [0.0, 0.5]).end == "outlet"
 
 
+def test_a_line_that_ends_where_the_file_has_no_numbers_tells_so() -> None:
+    field = without(exact_field(SLIT, 8), lambda x: x[:, 0] > 1.2)
+    marked = replace(field, cut=field.points[:, 0] > 1.0)
+    path = only(marked, [0.0, 0.5])
+    assert path.cut
+    assert "where the file has no numbers beyond" in path.told[-1]
+    whole = only(field, [0.0, 0.5])
+    assert not whole.cut
+    assert whole.told == ()
+
+
 def test_a_line_ends_where_the_numbers_do() -> None:
     field = without(exact_field(SLIT, 8), lambda x: x[:, 0] > 1.2)
     path = only(field, [0.0, 0.5])
@@ -302,8 +314,8 @@ def test_what_a_path_tells() -> None:
     marked = replace(
         field,
         divergence=np.full(len(field.points), 0.06),
-        gradient_error=field.points[:, 0],
-        near_wall=field.points[:, 1] < 0.3,
+        gradient_error=1e-3 * field.points[:, 0],
+        near_edge=field.points[:, 1] < 0.3,
         temperature=500.0 + field.points[:, 0],
         pressure=None,
     )
@@ -313,7 +325,7 @@ def test_what_a_path_tells() -> None:
     assert low.near_singularity
     assert not high.near_singularity
     h = high.history
-    np.testing.assert_allclose(high.gradient_error, h.position[:, 0], atol=ROUNDING)
+    np.testing.assert_allclose(high.gradient_error, 1e-3 * h.position[:, 0], atol=ROUNDING)
     np.testing.assert_allclose(h.temperature, 500 + h.position[:, 0], rtol=ROUNDING)
     np.testing.assert_allclose(h.viscosity, law.viscosity_at(h.shear_rate), rtol=ROUNDING)
     assert np.all(h.pressure == 0.0)

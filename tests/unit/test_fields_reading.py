@@ -37,6 +37,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 from fibermelt.errors import ConfigError
 from fibermelt.fields.field import Field
 from fibermelt.fields.mapping import FieldMap
+from fibermelt.fields.paths import point_seeds, trace_field
 from fibermelt.fields.reading import describe_field, read_field
 
 ROUNDING = 1e-7
@@ -328,6 +329,10 @@ def test_nan_in_a_region_is_outside(tmp_path: Path) -> None:
     inside = field.locate(np.array([[1.0, 0.5, 0.0], [0.5, 0.5, 0.0]]))
     np.testing.assert_array_equal(inside.found, [False, True])
     assert gradient_error(field, SLIT) < ROUNDING
+    into, past = trace_field(field, point_seeds(field, [[0.0, 0.5], [0.0, 0.9]]), 50)
+    assert into.cut
+    assert "where the file has no numbers" in into.told[-1]
+    assert not past.cut
     # of a table the word is another one
     path = cfdpost(tmp_path, Sample(data.mesh, velocity, data.pressure))
     path.write_text(path.read_text().replace("nan", "null"))

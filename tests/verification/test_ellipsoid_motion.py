@@ -60,8 +60,8 @@ def test_equal_axes_are_a_spheroid() -> None:
         a, b = (spatial_bounds(path, fiber, VISCOSITY) for fiber in (SPHEROID, body))
         for name in ("lowest", "highest"):
             assert getattr(a, name) == pytest.approx(getattr(b, name), rel=ROUNDING)
-        for name in ("mildest_lowest", "mildest_highest"):  # of 1000 frames
-            assert getattr(a, name) == pytest.approx(getattr(b, name), rel=2e-2)
+        for name in ("mildest_lowest", "mildest_highest"):  # sought, and between kinds of strain
+            assert getattr(b, name) == pytest.approx(getattr(a, name), rel=3e-2)
 
 
 def test_an_ellipsoid_in_the_plane_is_its_section() -> None:

@@ -7,7 +7,7 @@ components along its axes ``p, q, r`` and the factors of `EllipsoidResponse` (Je
     p_dot = Omega x p + f_3 D_12 q - f_2 D_31 r,    q_dot = Omega x q + f_1 D_23 r - f_3 D_12 p.
 
 No linear map carries it, unlike a spheroid's director (in simple shear it can be chaotic: Yarin,
-Gottlieb and Roisman 1997, doi 10.1017/S0022112097005260). Two axes are integrated by the pair of
+Gottlieb and Roisman 1997, J. Fluid Mech. 340, 83). Two axes are integrated by the pair of
 Dormand and Prince of orders 5 and 4, over each interval of the path for all bodies in so many equal
 sub-steps that its own error is within the interval's share of the tolerance, and then set at right
 angles again. Between the points the gradient is the cubic of `fibermelt.interpolation`.

@@ -86,6 +86,8 @@ class Field(Unchanging):
     near_edge : (n,) bool array, optional
         Where a sharp edge that points into the flow is near, within two cells: the gradient there
         has no limit as a mesh is refined.
+    cut : (n,) bool array, optional
+        Where cells were left out as the file has no numbers at other corners of them.
     notes : tuple of str
         What was done to the file's data on the way, in words.
 
@@ -107,6 +109,7 @@ class Field(Unchanging):
     temperature: Array | None
     near_wall: NDArray[np.bool_]
     near_edge: NDArray[np.bool_] | None = None
+    cut: NDArray[np.bool_] | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -141,9 +144,10 @@ class Field(Unchanging):
                 raise ConfigError(msg)
             object.__setattr__(self, name, value)
         object.__setattr__(self, "cells", np.asarray(self.cells, dtype=np.int64))
-        edge = np.zeros(n, dtype=bool) if self.near_edge is None else self.near_edge
-        object.__setattr__(self, "near_wall", np.asarray(self.near_wall, dtype=bool))
-        object.__setattr__(self, "near_edge", np.asarray(edge, dtype=bool))
+        for name in ("near_wall", "near_edge", "cut"):
+            flags = getattr(self, name)
+            marked = np.zeros(n, dtype=bool) if flags is None else np.asarray(flags, dtype=bool)
+            object.__setattr__(self, name, marked)
         k = 4 if self.geometry == "spatial" else 3
         if self.cells.ndim != 2 or self.cells.shape[1] != k or not len(self.cells):
             kind = "tetrahedra" if k == 4 else "triangles"

@@ -172,6 +172,8 @@ class FieldPath(Unchanging):
     near_singularity : bool
         Whether it passes close by a sharp edge, or where the gradient's error is a part of the
         gradient that says nothing of it any more (`DOUBTFUL`).
+    cut : bool
+        Whether it ends where the file has no numbers beyond.
     """
 
     index: int
@@ -181,6 +183,14 @@ class FieldPath(Unchanging):
     divergence: float
     end: PathEnd
     near_singularity: bool
+    cut: bool = False
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Return what does not fit, in words; empty if all does."""
+        x, y, z = self.history.position[-1]
+        cut = f"ends at ({x:.4g}, {y:.4g}, {z:.4g}) m, where the file has no numbers beyond"
+        return (*self.consistency.told, *([cut] if self.cut else []))
 
     @property
     def consistency(self) -> Consistency:
@@ -483,6 +493,7 @@ def trace_field(
             gradient_error=one["gradient_error"],
             divergence=_part(one["divergence"], one["gradient"]),
             end=edge.end(lines[k], REACH * rules.largest_step),
+            cut=edge.is_cut(lines[k], REACH * rules.largest_step),
             near_singularity=_in_doubt(one),
         )
         for k, one in enumerate(met)
@@ -603,6 +614,14 @@ class _Boundary:
                 return "outlet" if self.leaving[facet] > OPEN else "wall"
         stands = self.is_still[self.field.cells[line.cell[-1]]].any()
         return "wall" if stands else "stagnation"
+
+    def is_cut(self, line: Path, reach: float) -> bool:
+        """Tell whether a line has left to where the field has no numbers."""
+        if line.end != "left" or not np.any(self.field.cut):
+            return False
+        facet = self._crossed(line.position[-1], line.direction[-1], int(line.cell[-1]), reach)
+        cut = np.asarray(self.field.cut)
+        return facet is not None and bool(cut[self.nodes[facet]].all())
 
     def _crossed(self, point: Array, way: Array, cell: int, reach: float) -> int | None:
         """Return the boundary facet that a ray crosses first; None if not within its reach."""

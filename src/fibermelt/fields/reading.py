@@ -418,7 +418,11 @@ def _whole(path: Path, raw: _Raw, cells: Index | None, notes: list[str]) -> _Raw
         found, told = joined(inner.points)
         notes.append(told)
         return inner.with_cells(found)
-    cells = cells[known[cells].all(axis=1)]
+    whole = known[cells].all(axis=1)
+    edge = np.zeros(len(known))
+    edge[cells[~whole]] = 1.0
+    raw = replace(raw, scalars=raw.scalars | {"cut": edge})
+    cells = cells[whole]
     corner = raw.points[cells]
     longest = np.zeros(len(cells))
     for i in range(cells.shape[1]):
@@ -623,6 +627,7 @@ def _field(raw: _Raw, geometry: Geometry, notes: list[str]) -> Field:
         temperature=raw.scalars.get("temperature"),
         near_wall=(at_wall | near_edge)[:n],
         near_edge=near_edge[:n],
+        cut=raw.scalars["cut"] > 0.0 if "cut" in raw.scalars else None,
         notes=tuple(dict.fromkeys(notes)),
     )
 

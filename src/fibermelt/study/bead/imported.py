@@ -31,8 +31,9 @@ FIELD_VALUES = (
     "divergence",
     "near_wall",
     "near_edge",
+    "cut",
 )
-FLAGS = ("field_near_wall", "field_near_edge")
+FLAGS = ("field_near_wall", "field_near_edge", "field_cut")
 OPTIONAL = ("pressure", "viscosity", "temperature")
 
 
@@ -69,7 +70,7 @@ def stored_field(data: xr.Dataset) -> Field:
     from fibermelt.fields.field import Field  # noqa: PLC0415  lazy: see the module
 
     values: dict[str, Any] = {name: data[f"field_{name}"].to_numpy() for name in FIELD_VALUES}
-    values |= {name: values[name] != 0 for name in ("near_wall", "near_edge")}
+    values |= {name: values[name] != 0 for name in ("near_wall", "near_edge", "cut")}
     optional: dict[str, Any] = {
         name: data[f"field_{name}"].to_numpy() if f"field_{name}" in data else None
         for name in OPTIONAL
@@ -130,6 +131,7 @@ def _traced(paths: Sequence[FieldPath]) -> xr.Dataset:
             "near_singularity": np.array([path.near_singularity for path in paths], dtype=np.int8),
             "path_end": [path.end for path in paths],
             "path_divergence": [path.divergence for path in paths],
+            "path_notes": ["; ".join(path.told) for path in paths],
         }
     )
 

@@ -67,6 +67,7 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "field_temperature": ("field_node", "K", "temperature"),
     "field_near_wall": ("field_node", "1", "whether the gradient is one-sided or near an edge"),
     "field_near_edge": ("field_node", "1", "whether a sharp edge is near"),
+    "field_cut": ("field_node", "1", "whether the file has no numbers beyond"),
     # The streamlines.
     "time": (_PATH, "s", "time since the inlet"),
     "x": (_PATH, "m", "x along the streamline, from the nozzle's axis"),

@@ -53,8 +53,8 @@ class Paths(_Ends):  # type: ignore[misc]
     longest: float | None = quantity(
         None,
         "s",
-        "Time after which a path ends that has not left the flow; long enough to cross it ten "
-        "times by default.",
+        "Time after which a path ends that has not left the flow; long enough to cross it a "
+        "hundred times at its mean speed by default.",
         gt=0,
         example="20 s",
     )
