@@ -61,6 +61,9 @@ FIELD = FlowField(
     np.zeros(3),
 )
 
+TURNED = (SHEAR, np.eye(3)[0], np.eye(3)[1])
+"""A gradient, and the axes of an ellipsoid."""
+
 Case = tuple[Callable[[object], object], np.ndarray]
 
 
@@ -147,6 +150,18 @@ PLAIN: dict[str, Case] = {
         lambda p: fiber.follow_directors(HISTORY, 0.9, p),
         AXIS[None],
     ),
+    "follow_spatial directions": (
+        lambda p: fiber.follow_spatial(HISTORY, 0.9, p),
+        AXIS[None],
+    ),
+    "follow_ellipsoids frames": (
+        lambda Q: fiber.follow_ellipsoids(HISTORY, ELLIPSOID, Q),
+        np.eye(3)[None],
+    ),
+    "FiberModel.follow_in_space start": (
+        lambda p: fiber.unbounded_model("spheroid", ELLIPSE).follow_in_space(HISTORY, p),
+        AXIS[None],
+    ),
     "follow_orientation history": (
         lambda L: fm.follow_orientation(FOLGAR, ORE, (np.array([0.0, 1.0]), L), ORIENTED),
         np.stack([PLANAR, PLANAR]),
@@ -228,6 +243,7 @@ PLAIN: dict[str, Case] = {
         )
     },
     "SpheroidResponse.bounds gradient": (SPHEROID.bounds, SHEAR),
+    "SpheroidResponse.mildest gradient": (SPHEROID.mildest, SHEAR),
     "SpheroidResponse.eccentric_angle where": (lambda e: SPHEROID.eccentric_angle(e, AXIS), AXIS),
     "SpheroidResponse.eccentric_angle direction": (
         lambda p: SPHEROID.eccentric_angle(AXIS, p),
@@ -235,7 +251,15 @@ PLAIN: dict[str, Case] = {
     ),
     **{
         f"EllipsoidResponse.{name} gradient": (getattr(ELLIPSOID, name), SHEAR)
-        for name in ("angular_velocity", "surface_stress", "extremes")
+        for name in ("angular_velocity", "surface_stress", "extremes", "bounds", "mildest")
+    },
+    **{
+        f"EllipsoidResponse.{name} {part}": (
+            lambda x, f=name, k=place: getattr(ELLIPSOID, f)(*TURNED[:k], x, *TURNED[k + 1 :]),
+            TURNED[place],
+        )
+        for name in ("turned_extremes", "turned_values")
+        for place, part in enumerate(("gradient", "first", "second"))
     },
     "EllipsoidResponse.surface_pressure gradient": (
         lambda L: ELLIPSOID.surface_pressure(L, AXIS),
