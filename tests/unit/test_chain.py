@@ -35,7 +35,8 @@ TABLES = (
     *(VOID_VARIABLES, VERIFICATION_VARIABLES, EFFECT_VARIABLES),
 )
 DEFAULTS = values_of(resolve({}))
-OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - {"flow", "streamlines", "verification"}
+NOT_OF_THE_FIBER = {"flow", "field", "streamlines", "verification"}
+OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - NOT_OF_THE_FIBER
 BELOW_FLOW = {
     *("streamlines", "motion", "orientation", "dimensions", "thinning", "voids", "claims"),
 }

@@ -28,6 +28,12 @@ def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
             **dict.fromkeys(("newton_steps", "unknowns", "elements"), 7),
             "streamline": [1],
             "time": [[0.0, 0.7]],
+            "x": [[0.0, 1.0]],
+            "y": [[0.0, 0.0]],
+            "gradient": np.array([[[[0.0, 1.0], [0.0, 0.0]], [[0.0, 3.0], [0.0, 0.0]]]]),
+            "path_end": ["outlet"],
+            "path_consistency": [1e-3],
+            "path_notes": [""],
             "shear_rate": [[1.0, 3.0]],
             "viscosity": [[817.0, 817.0]],
             "stream_function_drift": [1e-6],
@@ -46,6 +52,7 @@ def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
                 np.array([1.0, 2.0, 3.0])[None, :, None, None], extreme.shape
             ),
             "extreme_y": np.ones(extreme.shape),
+            "extreme_error": 0.1 * np.abs(extreme),
             "extreme_bounds": np.zeros((1, 2, 2, 2)),
             "extreme_quantiles": np.zeros((1, 2, 2, 3)),
             "zone_angle": np.array(zone_angle)[None, :, None] * np.ones((1, 3, 3)),
@@ -71,6 +78,28 @@ def test_the_summary_is_json():
     summary = summarize_bead(results())
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
     assert summary["streamlines"][0]["near_singularity"] is True
+
+
+def test_a_path_tells_how_far_it_can_be_trusted():
+    (path,) = summarize_bead(results())["paths"]
+    assert path == {
+        "index": 1,
+        "transit_time": 0.7,
+        "gradient_error": None,
+        "divergence": None,
+        "consistency": 1e-3,
+        "fiber_scale": pytest.approx(84e-6 * 2.0 / 3.0),  # |dL/dx| = 2 of at most 3
+        "end": "outlet",
+        "told": [],
+    }
+
+
+def test_a_long_fiber_is_told_where_no_corner_is():
+    summary = paper_like([1.0, 1.0, 1.0], {1})
+    for path, scale in zip(summary["paths"], (0.9, 0.25, 0.05), strict=True):
+        path["fiber_scale"] = scale
+    text = told(summary)
+    assert "0.25 of that over which the gradient changes on streamline 2; above 0.1 on 2:" in text
 
 
 def test_a_fiber_that_tumbles_has_no_stall_angle():
@@ -111,6 +140,7 @@ def paper_like(lowest, flagged):
     summary["streamlines"] = [
         {**line, "index": k, "near_singularity": k in flagged} for k in range(1, len(lowest) + 1)
     ]
+    summary["paths"] = [{**summary["paths"][0], "index": k + 1} for k in range(len(lowest))]
     summary["extremes"] = [
         {**one, "streamline": k, "lowest": -1e6 * value}
         for k, value in enumerate(lowest, 1)

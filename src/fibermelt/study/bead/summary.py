@@ -150,6 +150,8 @@ def _fiber_scale(results: xr.Dataset) -> list[float]:
     """Return ``2 a max |dL/ds| / max |L|`` of each path [-]: how far a fiber outgrows its model."""
     import numpy as np  # noqa: PLC0415  as in _extremes
 
+    from fibermelt.study.loading import resolve  # noqa: PLC0415  lazy: the loader of studies
+
     names = [name for name in "xyz" if name in results]
     place = np.stack([results[name].transpose("streamline", "point") for name in names], axis=-1)
     L = results["gradient"].transpose("streamline", "point", "row", "column").to_numpy()
@@ -157,7 +159,7 @@ def _fiber_scale(results: xr.Dataset) -> list[float]:
     way = np.maximum(np.linalg.norm(np.diff(place, axis=1), axis=-1), np.finfo(float).tiny)
     change = np.linalg.norm(np.diff(L, axis=1), axis=(-2, -1)) / way
     moving = np.isfinite(change) & (size[:, None] > 0.0)
-    length = 2.0 * float(study_of(results)["fiber"]["half_length"])
+    length = 2.0 * resolve(study_of(results)).fiber.half_length
     steepest = np.where(moving, change, 0.0).max(axis=-1)
     return [float(value) for value in length * steepest / np.where(size > 0.0, size, 1.0)]
 
