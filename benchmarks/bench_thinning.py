@@ -1,24 +1,29 @@
-"""The table of a fiber in a thinning melt, and fibers that follow it.
+"""The flow of a melt that thins, the table of a fiber in it, and fibers that follow it.
 
-Each figure is a ratio of processor times measured in one run: of a table over the default cell of a
-Newtonian melt (two flows and the estimate), of the quantiles over the paper's 13 fibers. Where the
-time of a table goes: 40 % assembly of the tangent, 40 % its factorisation; half a cell halves both,
-and Newton from the stress takes 2 to 5 steps, without a neighbour, where it took 4 to 12 with one.
+Each figure is a ratio of processor times measured in one run: of a flow over a Newtonian one, of
+a table over the default cell of a Newtonian melt (two flows and the estimate), of the quantiles
+over the paper's 13 fibers. Where the time of a table goes: 40 % assembly of the tangent, 40 % its
+factorisation; half a cell halves both, and Newton from the stress takes 2 to 5 steps, without a
+neighbour, where it took 4 to 12 with one.
 """
 
 from __future__ import annotations
 
+import os
 import resource
 from collections.abc import Callable
 
+import ngsolve as ng
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
 from fibermelt.fiber import follow, isotropic_angles, paper_angles, solve_cell, solve_thinning
+from fibermelt.flow.deposition import solve_deposition
+from fibermelt.flow.problem import Deposition, Nozzle
 from fibermelt.history import FlowHistory
-from fibermelt.melt import CarreauYasuda, PowerLaw, ViscosityLaw
+from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
 
 FIBER, CELL = fm.Ellipse(1.0, 6.0), 4.0
 
@@ -34,6 +39,34 @@ def spent(work: Callable[[], object]) -> float:
     before = used()
     work()
     return used() - before
+
+
+FLOWS = {
+    "0.5, 1 s": CarreauYasuda(817.0, 0.5, 1.0),
+    "0.35, 1 s": CarreauYasuda(817.0, 0.35, 1.0),
+    "0.25, 0.01 s": CarreauYasuda(817.0, 0.25, 0.01),
+    "0.25, 1 s": CarreauYasuda(817.0, 0.25, 1.0),
+    "0.25, 10 s": CarreauYasuda(817.0, 0.25, 10.0),
+    "power law 0.25": PowerLaw(25836.0, 0.25),
+}
+"""Index and time constant, the paper's viscosity at rest."""
+
+
+def test_thinning_flow(benchmark: BenchmarkFixture) -> None:
+    ng.SetNumThreads(1)
+
+    def flow(law: ViscosityLaw) -> float:
+        return spent(lambda: solve_deposition(Deposition(Nozzle(), law)))
+
+    newtonian = [flow(Newtonian(817.0)) for _ in range(2)][1:]  # the first warms up
+    for name, law in FLOWS.items():
+        thinning = flow(law)
+        newtonian.append(flow(Newtonian(817.0)))
+        ratio = 2 * thinning / sum(newtonian[-2:])  # those before and after: machines change pace
+        benchmark.extra_info[name] = ratio
+        print(f"\n{name}: {ratio:.2f} Newtonian flows ({thinning:.1f} s)")
+    benchmark.pedantic(lambda: flow(Newtonian(817.0)), rounds=1)
+    ng.SetNumThreads(os.cpu_count())
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 
 from fibermelt.flow.dieswell import solve_die_swell, swell_problem
 from fibermelt.flow.freesurface import FreeSurfaceFlow
+from fibermelt.flow.strain import HeldStrain
 from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.verify.free_surface import SWELL
 
@@ -133,3 +134,39 @@ def test_both_newtonian_limits_of_a_law_swell_alike(law: ViscosityLaw) -> None:
     # what is left of the law in either limit is (lambda gamma_dot)^2 and ^(n - 1): 1e-6 and 2e-5
     assert solve_die_swell(0.005, law=law).swell == pytest.approx(newtonian, abs=1e-4)
     assert newtonian == pytest.approx(SWELL, abs=1.5e-3)  # the lip edge's own error, above
+
+
+def test_a_thinning_melt_holds_the_strain_that_its_flow_has() -> None:
+    """Newton's steps end where what is held is what deforms, and quadratically."""
+    law = CarreauYasuda(2.0, 0.35, 1.0)
+    mesh, boundaries = swell_problem(0.02, law=law)
+    flow = FreeSurfaceFlow(mesh, boundaries, 3, law)
+    sizes = [flow.step().size for _ in range(5)]
+    # the square of the last, times the problem's own constant (30 was seen)
+    assert sizes[3] < 100 * sizes[2] ** 2
+    assert sizes[4] < 100 * sizes[3] ** 2
+    for stress in flow._stress.held:
+        held, present = (stress._stored[:3], stress.present.T)
+        chosen = np.array([values[stress._chosen] for values in held]).T
+        np.testing.assert_allclose(chosen, present, rtol=0, atol=1e-8 * np.abs(present).max())
+
+
+def test_a_strain_that_is_held_grows_no_further_than_the_flow() -> None:
+    """Where the rate grows tenfold the tangent promises a hundredfold, for an index of 0.25."""
+    law = PowerLaw(1.0, 0.25, 1e-6)
+    mesh, _ = swell_problem(0.1)
+    everywhere = ng.BitArray(mesh.ne)
+    everywhere.Set()
+    held = HeldStrain(mesh, law, ng.CF((10.0, 0.0, 0.0, -10.0), dims=(2, 2)), everywhere, 2)
+    before = np.zeros_like(held.present)
+    before[:2] = [[1.0], [-1.0]]
+    held.hold(before)
+    held.follow()
+    found = np.array([values[held._chosen] for values in held._stored[:3]])
+    np.testing.assert_allclose(found, 10.0 * before, rtol=1e-12, atol=1e-12)
+    # and where it falls to nothing, the stress ahead, 1 - n of the one before, has (1 - n)^(1/n)
+    still = HeldStrain(mesh, law, ng.CF((0.0, 0.0, 0.0, 0.0), dims=(2, 2)), everywhere, 2)
+    still.hold(before)
+    still.follow()
+    found = np.array([values[still._chosen] for values in still._stored[:3]])
+    np.testing.assert_allclose(found, 0.75**4 * before, rtol=1e-6, atol=1e-12)

@@ -47,12 +47,14 @@ def test_balances_are_those_of_a_newtonian_melt(thinning_flow: FlowSolution) -> 
 
 
 def test_the_stated_error_holds_against_a_finer_mesh(thinning_flow: FlowSolution) -> None:
-    coarse = solve_deposition(THINNING, COARSE)
+    # two meshes may agree by chance, and then state too little: the middle one of three
+    meshes = [FlowNumerics().coarsened(factor) for factor in (3.6, 4.0, 4.4)]
+    coarse = [solve_deposition(THINNING, numerics) for numerics in meshes]
     for name in ("contact_point", "heel", "inlet_pressure"):
-        off = abs(getattr(coarse, name) - getattr(thinning_flow, name))
+        off = np.median([abs(getattr(one, name) - getattr(thinning_flow, name)) for one in coarse])
         # as for a Newtonian melt: twice what is stated, and what the finer mesh states
-        stated = getattr(coarse.error, name) + getattr(thinning_flow.error, name)
-        assert off < 2 * stated, name
+        stated = np.median([getattr(one.error, name) for one in coarse])
+        assert off < 2 * (stated + getattr(thinning_flow.error, name)), name
 
 
 def test_viscosity_follows_the_rate_on_nodes_and_paths(thinning_flow: FlowSolution) -> None:

@@ -132,9 +132,12 @@ class SpinSeries:
         """Return ``omega`` [-] at angles that broadcast with the rates (Clenshaw's sum)."""
         sine = np.sin(phase)
         twice = 2.0 - 4.0 * sine * sine  # 2 cos 2 phi
-        last = before = np.zeros_like(sine)
+        last, before, spare = (np.zeros_like(sine) for _ in range(3))
         for b in self.coefficients[:0:-1]:
-            last, before = b + twice * last - before, last
+            np.multiply(twice, last, out=spare)  # b + twice last - before, in place
+            spare += b
+            spare -= before
+            last, before, spare = spare, last, before
         # sin 3 phi = (twice + 1) sin phi
         return np.asarray(sine * (self.coefficients[0] + (twice + 1.0) * last - before))
 
