@@ -9,6 +9,7 @@ import pytest
 import pyvista
 from dialects import cgns, openfoam, sample, vtu
 from exact_flows import ROTATION, SLIT, ExactFlow, box
+from test_flow_field import square_field
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from vtkmodules.vtkIOHDF import vtkHDFWriter
 from vtkmodules.vtkIOXdmf2 import vtkXdmfWriter
@@ -18,6 +19,7 @@ from fibermelt.fields.mapping import FieldMap
 from fibermelt.fields.reading import describe_field, read_field
 from fibermelt.fields.simplices import facets, signed_sizes
 from fibermelt.fields.splitting import split_cells, split_polygons, split_polyhedra
+from fibermelt.flow.vtu import write_vtu
 
 N = 3
 """Bricks along each side."""
@@ -220,6 +222,24 @@ def test_formats_that_vtk_writes(tmp_path: Path, format_: str) -> None:
     field = read_field(path)
     error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
     assert error.max() < 1e-5  # some write coordinates in four bytes
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_our_own_flow_keeps_its_nodes(tmp_path: Path, order: int) -> None:
+    """Lagrange triangles of any order with the gradient beside; curved edges become chords."""
+    ours = square_field(order, n=4, bend=0.1)
+    write_vtu(ours, tmp_path / "flow.vtu")
+    found = describe_field(tmp_path / "flow.vtu")
+    assert (found.points, found.cells) == (len(ours.points), 32)
+    assert found.taken()["gradient"] == "velocity_gradient"
+    assert found.taken()["viscosity"] == "viscosity"
+    field = read_field(tmp_path / "flow.vtu")
+    assert len(field.cells) == 32 * order**2
+    np.testing.assert_array_equal(field.points[:, :2], ours.points)
+    np.testing.assert_allclose(field.gradient[:, :2, :2], ours.gradient, atol=1e-12)
+    at = np.array([[0.3, 0.4], [0.7, 0.2]])
+    theirs = field.velocity_at(field.locate(at))[:, :2]
+    np.testing.assert_allclose(theirs, ours.evaluate(ours.velocity, ours.locate(at)), atol=1e-12)
 
 
 def test_cgns(tmp_path: Path) -> None:

@@ -161,6 +161,11 @@ def test_an_absolute_pressure_is_told_and_shifted(tmp_path: Path) -> None:
 def test_fluent_with_blanks_and_at_centres_of_cells(tmp_path: Path) -> None:
     path = fluent(tmp_path, sample(SLIT, 4), between=" ")
     assert gradient_error(read_field(path), SLIT) < ROUNDING
+    lines = path.read_text().splitlines()
+    again = [f"{line} {'x-coordinate' if k == 0 else '0'}" for k, line in enumerate(lines)]
+    path.write_text("\n".join(again))  # asked for as a variable, too
+    assert describe_field(path).taken()["velocity"] == "x-velocity, y-velocity"
+    assert [array["name"] for array in describe_field(path).arrays][-1] == "y-velocity"
     path.write_text(path.read_text().replace("nodenumber", "cellnumber"))
     assert any("centres of cells" in note for note in read_field(path).notes)
 
