@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
-from dialects import cgns, openfoam, sample, vtu
+from dialects import Sample, cgns, openfoam, sample, vtu
 from exact_flows import ROTATION, SLIT, ExactFlow, box
 from test_flow_field import square_field
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
@@ -240,6 +240,23 @@ def test_our_own_flow_keeps_its_nodes(tmp_path: Path, order: int) -> None:
     at = np.array([[0.3, 0.4], [0.7, 0.2]])
     theirs = field.velocity_at(field.locate(at))[:, :2]
     np.testing.assert_allclose(theirs, ours.evaluate(ours.velocity, ours.locate(at)), atol=1e-12)
+
+
+def test_a_collection_of_times(tmp_path: Path) -> None:
+    data = sample(SLIT, 4)
+    sets = ""
+    for k, factor in enumerate((1.0, 3.0)):
+        scaled = Sample(data.mesh, factor * data.velocity, data.pressure)
+        vtu(tmp_path, scaled, name=f"{k}.vtu")
+        sets += f'<DataSet timestep="{k / 2}" part="0" file="{k}.vtu"/>'
+    head = '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'
+    path = tmp_path / "run.pvd"
+    path.write_text(f'<?xml version="1.0"?>{head}<Collection>{sets}</Collection></VTKFile>')
+    assert describe_field(path).times == (0.0, 0.5)
+    assert read_field(path).velocity.max() == pytest.approx(4.5)
+    assert read_field(path, FieldMap(time_step=0.0)).velocity.max() == pytest.approx(1.5)
+    with pytest.raises(ConfigError, match=r"has no such time; it has 0, 0.5"):
+        read_field(path, FieldMap(time_step=0.1))
 
 
 def test_cgns(tmp_path: Path) -> None:

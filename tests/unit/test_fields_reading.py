@@ -127,6 +127,7 @@ def test_units_that_a_format_names_are_asked_for(tmp_path: Path) -> None:
     path.write_text(text.replace("% Length unit:        m\n", ""))
     with pytest.raises(ConfigError, match=r'field.length_unit: .* say it, such as .* = "m"'):
         read_field(path)
+    assert "the file names no unit of length: a study has to" in describe_field(path).notes
     assert read_field(path, FieldMap(length_unit="m")).geometry == "planar"
     path.write_text(text.replace(" (m/s)", "      "))
     with pytest.raises(ConfigError, match=r"field.velocity_unit: the file names no unit"):

@@ -19,6 +19,7 @@ from fibermelt.fields.clouds import joined
 from fibermelt.fields.contents import Contents
 from fibermelt.fields.field import Field, Geometry
 from fibermelt.fields.mapping import (
+    ASKED_UNITS,
     ROLES,
     FieldMap,
     length_scale,
@@ -183,6 +184,9 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
     for role, names in roles.items():
         first = names if names in contents.arrays else names.split(",")[0].strip()
         units[role] = contents.units.get(first) or None
+    unnamed = [of for of in ("length", *ASKED_UNITS) if units.get(of, "") is None]
+    if contents.names_units and unnamed:
+        notes.append(f"the file names no unit of {', '.join(unnamed)}: a study has to")
     place = {
         part.strip(): role
         for role, names in roles.items()
