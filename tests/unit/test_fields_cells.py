@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
-from dialects import cgns, openfoam, sample, vtu
+from dialects import Sample, cgns, openfoam, sample, vtu
 from exact_flows import ROTATION, SLIT, ExactFlow, box
+from test_flow_field import square_field
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from vtkmodules.vtkIOHDF import vtkHDFWriter
 from vtkmodules.vtkIOXdmf2 import vtkXdmfWriter
@@ -18,6 +19,7 @@ from fibermelt.fields.mapping import FieldMap
 from fibermelt.fields.reading import describe_field, read_field
 from fibermelt.fields.simplices import facets, signed_sizes
 from fibermelt.fields.splitting import split_cells, split_polygons, split_polyhedra
+from fibermelt.flow.vtu import write_vtu
 
 N = 3
 """Bricks along each side."""
@@ -220,6 +222,41 @@ def test_formats_that_vtk_writes(tmp_path: Path, format_: str) -> None:
     field = read_field(path)
     error = np.linalg.norm(field.gradient - ROTATION.gradient(field.points), axis=(1, 2))
     assert error.max() < 1e-5  # some write coordinates in four bytes
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_our_own_flow_keeps_its_nodes(tmp_path: Path, order: int) -> None:
+    """Lagrange triangles of any order with the gradient beside; curved edges become chords."""
+    ours = square_field(order, n=4, bend=0.1)
+    write_vtu(ours, tmp_path / "flow.vtu")
+    found = describe_field(tmp_path / "flow.vtu")
+    assert (found.points, found.cells) == (len(ours.points), 32)
+    assert found.taken()["gradient"] == "velocity_gradient"
+    assert found.taken()["viscosity"] == "viscosity"
+    field = read_field(tmp_path / "flow.vtu")
+    assert len(field.cells) == 32 * order**2
+    np.testing.assert_array_equal(field.points[:, :2], ours.points)
+    np.testing.assert_allclose(field.gradient[:, :2, :2], ours.gradient, atol=1e-12)
+    at = np.array([[0.3, 0.4], [0.7, 0.2]])
+    theirs = field.velocity_at(field.locate(at))[:, :2]
+    np.testing.assert_allclose(theirs, ours.evaluate(ours.velocity, ours.locate(at)), atol=1e-12)
+
+
+def test_a_collection_of_times(tmp_path: Path) -> None:
+    data = sample(SLIT, 4)
+    sets = ""
+    for k, factor in enumerate((1.0, 3.0)):
+        scaled = Sample(data.mesh, factor * data.velocity, data.pressure)
+        vtu(tmp_path, scaled, name=f"{k}.vtu")
+        sets += f'<DataSet timestep="{k / 2}" part="0" file="{k}.vtu"/>'
+    head = '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">'
+    path = tmp_path / "run.pvd"
+    path.write_text(f'<?xml version="1.0"?>{head}<Collection>{sets}</Collection></VTKFile>')
+    assert describe_field(path).times == (0.0, 0.5)
+    assert read_field(path).velocity.max() == pytest.approx(4.5)
+    assert read_field(path, FieldMap(time_step=0.0)).velocity.max() == pytest.approx(1.5)
+    with pytest.raises(ConfigError, match=r"has no such time; it has 0, 0.5"):
+        read_field(path, FieldMap(time_step=0.1))
 
 
 def test_cgns(tmp_path: Path) -> None:

@@ -128,6 +128,7 @@ def test_units_that_a_format_names_are_asked_for(tmp_path: Path) -> None:
     path.write_text(text.replace("% Length unit:        m\n", ""))
     with pytest.raises(ConfigError, match=r'field.length_unit: .* say it, such as .* = "m"'):
         read_field(path)
+    assert "the file names no unit of length: a study has to" in describe_field(path).notes
     assert read_field(path, FieldMap(length_unit="m")).geometry == "planar"
     path.write_text(text.replace(" (m/s)", "      "))
     with pytest.raises(ConfigError, match=r"field.velocity_unit: the file names no unit"):
@@ -162,6 +163,11 @@ def test_an_absolute_pressure_is_told_and_shifted(tmp_path: Path) -> None:
 def test_fluent_with_blanks_and_at_centres_of_cells(tmp_path: Path) -> None:
     path = fluent(tmp_path, sample(SLIT, 4), between=" ")
     assert gradient_error(read_field(path), SLIT) < ROUNDING
+    lines = path.read_text().splitlines()
+    again = [f"{line} {'x-coordinate' if k == 0 else '0'}" for k, line in enumerate(lines)]
+    path.write_text("\n".join(again))  # asked for as a variable, too
+    assert describe_field(path).taken()["velocity"] == "x-velocity, y-velocity"
+    assert [array["name"] for array in describe_field(path).arrays][-1] == "y-velocity"
     path.write_text(path.read_text().replace("nodenumber", "cellnumber"))
     assert any("centres of cells" in note for note in read_field(path).notes)
 
@@ -400,8 +406,12 @@ def test_values_of_cells_are_taken_to_points_and_told(tmp_path: Path) -> None:
     centres = embedded(mesh.points[mesh.cells].mean(axis=1))
     for k, name in enumerate(("SV_U", "SV_V")):
         grid.cell_data[name] = EXTENSION.velocity(centres)[:, k]
+    # a node that belongs to no cell has no value, and is none of the flow's
+    grid.points = np.vstack([grid.points, [[9.0, 9.0, 0.0]]])
     grid.save(tmp_path / "cells.vtu")
     field = read_field(tmp_path / "cells.vtu")
+    assert not any("NaN" in note for note in field.notes)
+    assert len(field.points) == len(mesh.points)
     assert any("values of cells are taken to the nodes" in note for note in field.notes)
     np.testing.assert_allclose(field.velocity, EXTENSION.velocity(field.points), atol=1e-10)
     assert field.pressure is None
@@ -501,6 +511,18 @@ def test_files_of_no_known_format(tmp_path: Path, text: str, match: str) -> None
         read_field(tmp_path / "none.vtu")
     with pytest.raises(ConfigError, match="is in no format"):
         read_field(tmp_path)
+
+
+def test_a_damaged_hdf5_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.cas.h5"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(200))
+    with pytest.raises(ConfigError, match="cannot be read as HDF5: truncated, damaged"):
+        read_field(path)
+
+
+def test_a_time_of_a_file_without_times_is_told(tmp_path: Path) -> None:
+    field = read_field(fluent(tmp_path, sample(SLIT, 4)), FieldMap(time_step=0.5))
+    assert "field.time_step = 0.5 is not looked at: the file has one time" in field.notes
 
 
 def test_points_on_a_line_and_in_one_place(tmp_path: Path) -> None:

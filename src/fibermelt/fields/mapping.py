@@ -13,7 +13,16 @@ from fibermelt.errors import ConfigError, legible, refuse_no_number, refuse_othe
 from fibermelt.fields.contents import Contents
 from fibermelt.units import parse
 
-__all__ = ["ROLES", "FieldMap", "Scale", "length_scale", "role_scale", "stacked", "taken_for"]
+__all__ = [
+    "ASKED_UNITS",
+    "ROLES",
+    "FieldMap",
+    "Scale",
+    "length_scale",
+    "role_scale",
+    "stacked",
+    "taken_for",
+]
 
 Array = NDArray[np.float64]
 

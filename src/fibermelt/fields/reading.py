@@ -19,6 +19,7 @@ from fibermelt.fields.clouds import joined
 from fibermelt.fields.contents import Contents
 from fibermelt.fields.field import Field, Geometry
 from fibermelt.fields.mapping import (
+    ASKED_UNITS,
     ROLES,
     FieldMap,
     length_scale,
@@ -183,6 +184,9 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
     for role, names in roles.items():
         first = names if names in contents.arrays else names.split(",")[0].strip()
         units[role] = contents.units.get(first) or None
+    unnamed = [of for of in ("length", *ASKED_UNITS) if units.get(of, "") is None]
+    if contents.names_units and unnamed:
+        notes.append(f"the file names no unit of {', '.join(unnamed)}: a study has to")
     place = {
         part.strip(): role
         for role, names in roles.items()
@@ -404,12 +408,15 @@ def _whole(path: Path, raw: _Raw, cells: Index | None, notes: list[str]) -> _Raw
         known &= np.isfinite(values)
     if raw.gradient is not None:
         known &= np.isfinite(raw.gradient).all(axis=(1, 2))
-    if not known.all():
+    # nodes of surfaces and lines, which a file may have besides, are none of the flow's
+    used = np.arange(len(known)) if cells is None else np.unique(cells)
+    missing = int((~known[used]).sum())
+    if missing:
         notes.append(
-            f"{int((~known).sum())} of {len(known)} points have no value (NaN): the cells around "
-            "them lie outside, paths end there"
+            f"{missing} of {len(used)} points have no value (NaN): the cells around them lie "
+            "outside, paths end there"
         )
-    if not known.any():
+    if missing == len(used):
         msg = f"field.file = {legible_path(path)}: no point has a velocity that is a number"
         raise ConfigError(msg)
     if cells is None:

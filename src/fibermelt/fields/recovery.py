@@ -24,10 +24,10 @@ __all__ = ["recovered_gradient"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-CUBIC_DECAY, QUADRATIC_DECAY = 2, 4
-"""Powers of the weights ``exp(-r^2 / d)``, ``r`` in root-mean-square distances of the patch along
-its own axes. Between 0 and 4 the cubic's error moves by a factor of two; the quadratic gains by
-looking near."""
+DECAY = 2.0
+"""Of the cubic's weights ``exp(-DECAY r^2 / d)``, ``r`` in root-mean-square distances of the patch
+along its own axes: between 0 and 4 the cubic's error moves by a factor of two. The quadratic gains
+by looking near and has the squares of them."""
 
 RINGS, RINGS_AT_BOUNDARY, MOST_RINGS = 2, 3, 5
 
@@ -168,18 +168,18 @@ def _patch(
     axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
     basis = _monomials(y)
-    near = np.exp(-np.einsum("bik,bik->bk", y, y) / d)
-    cubic, inverse, condition = _fit(basis, rise, near**CUBIC_DECAY)
+    near = np.exp(-DECAY / d * np.einsum("bik,bik->bk", y, y))
+    cubic, inverse, condition = _fit(basis, rise, near)
     of_two = d + d * (d + 1) // 2
-    quadratic = _fit(basis[:, :of_two], rise, near**QUADRATIC_DECAY)[0]
+    quadratic = _fit(basis[:, :of_two], rise, near**2)[0]
     good = (condition < WORST_CONDITION) & (length - 1 >= SPARE * basis.shape[1])
     slopes = cubic[:, :d].swapaxes(1, 2) @ axes
     doubt = np.linalg.norm(slopes - quadratic[:, :d].swapaxes(1, 2) @ axes, axis=(1, 2))
     left = rise - basis.swapaxes(1, 2) @ cubic
     count = np.maximum(length - 1, 1)
-    doubt += _scatter(left, near**CUBIC_DECAY * is_own, count, inverse, axes)
+    doubt += _scatter(left, near * is_own, count, inverse, axes)
     if is_last and not good.all():
-        plane = _fit(basis[:, :d], rise, near**QUADRATIC_DECAY)[0].swapaxes(1, 2) @ axes
+        plane = _fit(basis[:, :d], rise, near**2)[0].swapaxes(1, 2) @ axes
         slopes[~good] = plane[~good]
         doubt[~good] = np.linalg.norm(plane[~good], axis=(1, 2))
         good = np.ones_like(good)

@@ -48,13 +48,13 @@ def table(path: str, found: FieldContents) -> list[str]:
             lines.append(f"{role} = {_quoted(taken[role])}")
         elif role == "velocity":
             lines.append('# velocity = "NAME"')
-    for of, key in KEYS.items():
-        if of == "length" or of in taken:
-            unit = found.units.get(of)
-            si = ROLES.get(of, "m")
-            # what the file names need not be said; what it does not is shown with its default
-            if unit is None:
-                lines.append(f'# {key} = "{si}"')
+    unknown = [
+        f'# {key} = "{ROLES.get(of, "m")}"'
+        for of, key in KEYS.items()
+        if (of == "length" or of in taken) and found.units.get(of) is None
+    ]
+    if unknown:
+        lines += ["# of these the file names no unit:", *unknown]
     return lines
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from fibermelt.errors import ConfigError, legible_path
@@ -44,10 +45,14 @@ def read_contents(path: Path, time_step: float | None = None) -> Contents:
     for reader in READERS:
         if reader.knows(path, head):
             try:
-                return reader.read(path, time_step)
+                contents = reader.read(path, time_step)
             except MemoryError as error:
                 msg = f"field.file = {legible_path(path)}: is too large for this machine's memory"
                 raise ConfigError(msg) from error
+            if time_step is None or contents.times:
+                return contents
+            told = f"field.time_step = {time_step:g} is not looked at: the file has one time"
+            return replace(contents, notes=(*contents.notes, told))
     what = "is empty" if not head and path.is_file() else "is in no format that is known"
     known = ", ".join(reader.format for reader in READERS)
     msg = f"field.file = {legible_path(path)}: {what}; known are {known}"

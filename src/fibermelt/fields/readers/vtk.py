@@ -68,7 +68,13 @@ def _xml_kind(head: bytes) -> str:
 
 
 def _hdf5_keys(path: Path, head: bytes) -> set[str]:
-    """Return the names on the top level of an HDF5 file; none if it is no such file, or damaged."""
+    """Return the names on the top level of an HDF5 file, none if it is no such file.
+
+    Raises
+    ------
+    ConfigError
+        If it is one, but damaged.
+    """
     if not head.startswith(HDF5):
         return set()
     import h5py  # noqa: PLC0415  lazy: most formats need it not
@@ -76,8 +82,8 @@ def _hdf5_keys(path: Path, head: bytes) -> set[str]:
     try:
         with h5py.File(path) as file:
             return set(file)
-    except OSError:
-        return {"damaged"}
+    except OSError as error:
+        raise _damaged(path, "HDF5", str(error)) from error
 
 
 def _pyvista(path: Path, kind: str) -> Any:
@@ -429,10 +435,5 @@ READERS: tuple[Reader, ...] = (
         "OpenFOAM",
         lambda path, _: case_folder(path) is not None,
         partial(_read, "OpenFOAM", ".foam"),
-    ),
-    Reader(
-        "HDF5",
-        lambda path, head: "damaged" in _hdf5_keys(path, head),
-        partial(_read, "HDF5", ".cgns"),
     ),
 )
