@@ -469,6 +469,11 @@ def test_bytes_in_another_order_are_told(tmp_path: Path) -> None:
     grid.save(tmp_path / "swapped.vtu")
     with pytest.raises(ConfigError, match=r"written in another byte order"):
         read_field(tmp_path / "swapped.vtu")
+    swapped = data.velocity.astype(">f8").view("<f8").astype(float)
+    path = vtu(tmp_path, Sample(data.mesh, np.nan_to_num(swapped), data.pressure))
+    with pytest.raises(ConfigError, match=r"field.velocity: speeds of up to .* another byte order"):
+        read_field(path)
+    assert describe_field(path).arrays[0]["name"] == "U"
 
 
 @pytest.mark.parametrize("byte_order", ["BigEndian", "LittleEndian"])

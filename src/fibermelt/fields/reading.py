@@ -47,6 +47,9 @@ Index = NDArray[np.int64]
 FASTEST = 100.0
 """Speed of a melt [m/s] beyond which the unit is wrong, as in a study's other speeds."""
 
+NO_SPEED = 3e8
+"""Speed of light [m/s]: faster is nothing in any unit, but bytes in another order."""
+
 SAME = 1e-9
 """Distance over the domain's size below which coordinates are the same."""
 
@@ -194,7 +197,8 @@ def describe_field(path: str | Path, wanted: FieldMap | None = None) -> FieldCon
     }
     arrays = []
     for name, values in contents.arrays.items():
-        size = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
+        with np.errstate(over="ignore"):
+            size = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
         finite = size[np.isfinite(size)]
         arrays.append(
             {
@@ -375,6 +379,13 @@ def _in_si(contents: Contents, wanted: FieldMap, notes: list[str]) -> _Raw:
     if assumed:
         notes.append(f"the file names no units: {', '.join(assumed)} are assumed")
     velocity = values.pop("velocity")
+    fastest = float(np.nanmax(np.abs(velocity), initial=0.0))
+    if fastest > NO_SPEED:
+        msg = (
+            f"field.velocity: speeds of up to {fastest:.4g} m/s: the file is damaged, or written "
+            "in another byte order; export it again"
+        )
+        raise ConfigError(msg)
     across = np.abs(velocity[:, width:])
     if across.size and np.nanmax(across, initial=0.0) > SAME * np.nanmax(np.abs(velocity)):
         notes.append(
