@@ -145,6 +145,11 @@ def test_every_model_of_a_study_is_that_of_direct_calls(name: str, convention: s
     assert told == ["orientation_error", *judged]
 
 
+def test_results_that_name_no_model_are_folgar_and_tuckers() -> None:
+    found = orientation_stage(parameters(), {"streamlines": tiny()}, quiet)
+    assert stored_model(found.drop_vars("orientation_model")) == stored_model(found)
+
+
 def test_a_study_has_every_model_with_its_own_parameters() -> None:
     assert set(OWN) == set(MODELS) == set(get_args(ModelName)) == set(WRITTEN)
     for name, kind in MODELS.items():

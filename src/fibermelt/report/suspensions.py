@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from fibermelt.report.tables import Column, fixed, folded, number, table
 from fibermelt.study.orientation.models import model_in_words
+from fibermelt.study.orientation.summary import stored_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +97,7 @@ def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         "1/3 where they lie every way. The model is {}, the closure {}. {} The integration is off "
         "by {} at most, an estimate. {}</p>\n"
     ).format(
-        model_in_words(found["model"], found["interaction"], found["parameters"]),
+        model_in_words(*stored_model(results)),
         str(results["orientation_closure"].item()),
         _judged(found["closure_error"]),
         number(found["error"], 2),

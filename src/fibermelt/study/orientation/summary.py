@@ -90,7 +90,9 @@ def stored_model(results: xr.Dataset) -> tuple[str, float | None, dict[str, floa
     if "model_parameter" in results:
         names = results["model_parameter"].to_numpy().tolist()
         own = dict(zip(names, results["orientation_parameter"].to_numpy().tolist(), strict=True))
-    name = str(results["orientation_model"].item())
+    # Results that name none are of a time when a study had one model only.
+    named = results.get("orientation_model")
+    name = "folgar-tucker" if named is None else str(named.item())
     return name, None if interaction is None else float(interaction), own
 
 
