@@ -1,4 +1,4 @@
-"""The order of the examples in the gallery: first the chain, then models of one's own."""
+"""The order of the examples in the gallery: first the chain, then flows and models of one's own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ __all__ = ["ORDER", "Shelf"]
 
 ORDER = (
     *("lowest_pressure.py", "one_turn.py", "content_to_cell.py", "how_dry.py"),
-    *("own_streamline.py", "foreign_flow.py", "own_closure.py", "sweep_on_slurm.py"),
+    *("own_streamline.py", "foreign_flow.py", "one_flow_six_files.py"),
+    *("nozzle_of_openfoam.py", "pipe_in_space.py", "own_closure.py", "sweep_on_slurm.py"),
 )
 """Files of the examples; one that is not named here comes last."""
 

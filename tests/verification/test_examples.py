@@ -51,6 +51,37 @@ def test_foreign_flow(capsys: pytest.CaptureFixture[str]) -> None:
     assert "half a turn in 0.38746 s, exactly 0.38746 s" in capsys.readouterr().out
 
 
+def test_one_flow_six_files(capsys: pytest.CaptureFixture[str]) -> None:
+    """The gradient of a parabola and Jeffery's fiber are the same from every solver's words."""
+    names = runpy.run_path(str(EXAMPLES / "one_flow_six_files.py"))
+    assert len(names["errors"]) == 6
+    for gradient, pressure, half_turn, lowest in names["errors"].values():
+        # nine digits are enough for numbers of few; a cubic has a parabola but for rounding
+        assert gradient < 1e-11
+        assert pressure < 1e-14
+        # between 1500 points of a path: the angle is read on chords, the lowest is one of them
+        assert abs(half_turn) < 1e-6
+        assert -1e-5 < lowest < 1e-9
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[:20].strip() for line in lines[1:]] == list(names["fields"])
+
+
+def test_pipe_in_space(capsys: pytest.CaptureFixture[str]) -> None:
+    """The flux of a round pipe, and the tips of a stretched spheroid by Jeffery's integrals."""
+    names = runpy.run_path(str(EXAMPLES / "pipe_in_space.py"))
+    radius, speed = names["radius"], names["speed"]
+    # a disk in 64 chords; where it is cut off the melt is slow
+    assert names["seeds"].flux == pytest.approx(np.pi * radius**2 * speed, rel=1e-4)
+    assert all(line.end == "outlet" for line in names["lines"])
+    assert names["factor"] == pytest.approx(15.5337, rel=1e-5)  # as in one turn
+    assert names["off"] < 1e-10  # a cubic has a parabola but for rounding
+    ratio = names["met"] / names["exact"][:, None]
+    assert ratio.max() <= 1.0 + 1e-10
+    # in strains of 0.6 and more, one of twenty fibers comes within ten degrees of the worst
+    assert np.all(ratio.max(axis=1) > np.cos(np.radians(20.0)) ** 2)
+    assert "-1600.4 kPa" in capsys.readouterr().out
+
+
 def test_own_closure(capsys: pytest.CaptureFixture[str]) -> None:
     """A closure by its formula alone is the shipped one; both forms are exact at both ends."""
     names = runpy.run_path(str(EXAMPLES / "own_closure.py"))
