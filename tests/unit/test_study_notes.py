@@ -44,7 +44,8 @@ def found(bounds: float, spheroid: float, critical: tuple[float | None, float | 
         "bounds": {"lowest_pressure": bounds, "critical_moisture": critical[0]},
         "spheroid": {"lowest_pressure": spheroid, "critical_moisture": critical[1]},
     }
-    return {**bases["bounds"], "moisture": 1e-4, "speed_exponent": 1.0, "by_basis": bases}
+    told = {"moisture": 1e-4, "speed_exponent": 1.0, "by_basis": bases, "profile": [{}]}
+    return {**bases["bounds"], **told}
 
 
 def test_no_void_on_any_fiber_is_said_of_every_fiber_that_is_told() -> None:

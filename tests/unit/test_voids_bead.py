@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
+from fibermelt.report import risk
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.claims.judge import claims, judge, measured
 from fibermelt.study.claims.quantities import NotStoredError
@@ -22,7 +23,7 @@ from fibermelt.study.voids.advice import advice
 from fibermelt.study.voids.melt import moist_melt
 from fibermelt.study.voids.profile import layer_weights
 from fibermelt.study.voids.stages import assess_bead
-from fibermelt.study.voids.summary import summarize_voids, voids_in_words
+from fibermelt.study.voids.summary import BESIDE, summarize_voids, voids_in_words
 from fibermelt.voids import ATMOSPHERE, saturation_pressure
 
 ABS_AT = {"card": "paper", "temperature": 503.15}
@@ -67,7 +68,7 @@ def assessed(results, moisture=0.001, layers=2, **melt):
         asked_melt(**{**ABS_AT, **melt}, moisture=moisture),
         layers,
     )
-    return found.assign({n: results[n] for n in ("streamline", "near_singularity")})
+    return found.assign({n: results[n] for n in BESIDE if n in results})
 
 
 def of(found, name, basis="bounds"):
@@ -226,7 +227,13 @@ def test_a_singular_streamline_is_told_apart():
 
 def test_the_advice_follows_from_the_critical_moisture():
     melt = {"melt": {"critical_moisture": 2e-4}}
-    wet = {"moisture": 1e-3, "by_basis": melt, "lowest_pressure": 1e5, "speed_exponent": 1.0}
+    wet = {
+        "moisture": 1e-3,
+        "by_basis": melt,
+        "lowest_pressure": 1e5,
+        "speed_exponent": 1.0,
+        "profile": [{}],
+    }
     assert advice({**wet, "critical_moisture": None}).startswith("Nothing")
     dry = {**wet, "critical_moisture": 4e-4, "lowest_pressure": 1e4}
     assert advice(dry).startswith("Dry the material: below 0.040 % moisture no void starts")
@@ -234,7 +241,9 @@ def test_the_advice_follows_from_the_critical_moisture():
     assert advice({**dry, "moisture": 3e-4}).startswith("Keep it this dry: below 0.040 %")
     # One atmosphere over as much tension: at half of the speeds the lowest pressure is zero.
     tension = {**wet, "critical_moisture": 0.0, "lowest_pressure": -ATMOSPHERE}
-    assert "below 50 % of these" in advice(tension)
+    assert "until both speeds are below 50 % of these" in advice(tension)
+    elsewhere = advice({**tension, "profile": []})
+    assert "until all speeds of the flow are below 50 % of these" in elsewhere
     assert advice(tension).startswith("Dry below 0.020 %")
     assert advice({**tension, "moisture": 1e-4}).startswith("Slow down")
     # Stresses of a power law go with the root of the speeds: a quarter halves them.
@@ -259,6 +268,7 @@ def test_what_to_stay_below_is_never_rounded_up(share, told):
         "critical_moisture": 0.0,
         "lowest_pressure": lowest,
         "speed_exponent": 1.0,
+        "profile": [{}],
     }
     melt = {"melt": {"critical_moisture": 1e-3}}
     assert f"until both speeds are below {told} of these" in advice({**found, "by_basis": melt})
@@ -271,6 +281,18 @@ def test_nothing_but_singular_streamlines_is_said_so():
     assert "every streamline passes a singular corner" in "\n".join(voids_in_words(summary))
     with pytest.raises(NotStoredError, match="no trend to judge"):
         VOIDS["void_profile_of_fibers"](found)
+
+
+def test_a_flow_that_was_not_solved_here_has_no_bed():
+    results = bead(lowest=-2 * ATMOSPHERE).drop_vars("zone_time")
+    summary = summarize_voids(assessed(results))
+    assert summary["voids"]["profile"] == []
+    assert "height" not in summary["voids"]["streamlines"][0]
+    page = risk.voids(assessed(results), summary)
+    for told in ("\n".join(voids_in_words(summary)), page):
+        assert "under tension" in told
+        assert not [word for word in ("bead", "the bed", "both speeds") if word in told]
+    assert "the bed" in "\n".join(voids_in_words(summarize_voids(assessed(bead()))))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

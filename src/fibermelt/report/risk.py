@@ -54,9 +54,9 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
             _nucleation(found, float(results["void_threshold"])),
             Markup("<p>What to do. {}</p>\n").format(advice(found)),
             _by_basis(found),
-            _profile(found),
+            _profile(found) if found["profile"] else Markup(),
             _lines(found),
-            _assumed(found["material"]),
+            _assumed(found),
         ]
     )
 
@@ -140,7 +140,8 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         "helps; none: no moisture that the polymer can hold suffices. With those streamlines the "
         "lowest is {} MPa in any direction of a fiber.</p>\n"
     ).format(_mpa(found["including_singular"]["lowest_pressure"], size))
-    return table("Lowest local pressure in the bead", columns, rows) + note
+    where = "in the bead" if found["profile"] else "on the paths"
+    return table(f"Lowest local pressure {where}", columns, rows) + note
 
 
 def _profile(found: Mapping[str, Any]) -> Markup:
@@ -172,9 +173,11 @@ def _profile(found: Mapping[str, Any]) -> Markup:
 
 
 def _lines(found: Mapping[str, Any]) -> Markup:
+    lines = found["streamlines"]
+    heights = ("height",) if found["profile"] else ()
     columns = (
         Column("Streamline", is_text=True),
-        Column("Height in the bead", "mm"),
+        *(Column(f"{name.capitalize()} in the bead", "mm") for name in heights),
         Column("Lowest", "MPa"),
         Column("at x", "mm"),
         Column("at y", "mm"),
@@ -184,13 +187,12 @@ def _lines(found: Mapping[str, Any]) -> Markup:
         Column("Barrier left at onset", "%"),
         Column("Critical moisture", "%"),
     )
-    lines = found["streamlines"]
-    place, time = _size(lines, "height", "x", "y"), _size(lines, "time_below")
+    place, time = _size(lines, *heights, "x", "y"), _size(lines, "time_below")
     size = _size(lines, "lowest_pressure")
     rows = [
         (
             f"{line['index']}{'*' if line['near_singularity'] else ''}",
-            sized(MM * line["height"], MM * place),
+            *(sized(MM * line[name], MM * place) for name in heights),
             _mpa(line["lowest_pressure"], size),
             sized(MM * line["x"], MM * place),
             sized(MM * line["y"], MM * place),
@@ -210,11 +212,13 @@ def _of(factor: float, value: float | None) -> float | None:
     return None if value is None else factor * value
 
 
-def _assumed(material: Mapping[str, Any]) -> Markup:
+def _assumed(found: Mapping[str, Any]) -> Markup:
     """Return what of the material's card is an estimate, and what it lacks."""
+    material = found["material"]
+    until = "the bead is laid" if found["profile"] else "its path ends"
     lines = [
         "The melt has one temperature and one viscosity everywhere.",
-        "Moisture has no time to leave the melt before the bead is laid.",
+        f"Moisture has no time to leave the melt before {until}.",
         *(f"Not known: {hole}." for hole in material["missing"]),
     ]
     if material["estimates"]:

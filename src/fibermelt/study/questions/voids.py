@@ -16,7 +16,7 @@ from fibermelt.study.stages import Parameters
 from fibermelt.study.variables import study_of
 from fibermelt.study.voids.melt import FROM_CARD, moist_melt
 from fibermelt.study.voids.stages import assess_bead, with_orientation
-from fibermelt.study.voids.summary import summarize_voids
+from fibermelt.study.voids.summary import BESIDE, summarize_voids
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -119,6 +119,6 @@ def _other(material: str) -> Card:
 
 
 def _summary(found: xr.Dataset, results: xr.Dataset) -> dict[str, Any]:
-    named = {name: results[name] for name in ("streamline", "near_singularity")}
+    named = {name: results[name] for name in BESIDE if name in results}
     voids: dict[str, Any] = summarize_voids(found.assign(named))["voids"]
     return voids

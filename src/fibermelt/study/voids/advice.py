@@ -1,4 +1,4 @@
-"""What would keep a bead free of voids, in a sentence: the same one wherever it is told."""
+"""What would keep a melt free of voids, in a sentence: the same one wherever it is told."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ ROUNDING_DIGITS = 12
 
 
 def advice(found: Mapping[str, Any]) -> str:
-    """Return what would keep the bead free of voids, in a sentence.
+    """Return what would keep the melt free of voids, in a sentence.
 
     The creeping flow of a power law has all pressures over the air's go with the speeds' ``n``-th
     power, ``n`` = 1 of a Newtonian melt: by ``(p_air / (p_air - P_L))^(1/n)`` of them the lowest
-    absolute pressure ``P_L`` < 0 is zero. Other melts have no such share.
+    absolute pressure ``P_L`` < 0 is zero. Other melts have no such share. A flow without a profile
+    was not solved here, and has other speeds than those of inlet and bed.
 
     Parameters
     ----------
@@ -41,9 +42,10 @@ def advice(found: Mapping[str, Any]) -> str:
         if found["moisture"] < critical:
             return f"Keep it this dry: {below}."
         return f"Dry the material: {below}."
+    speeds = "both speeds" if found["profile"] else "all speeds of the flow"
     tension = (
         "at fibers in their worst direction the melt is under tension, which no drying helps, "
-        f"until both speeds are {_slower(lowest, found['speed_exponent'])}"
+        f"until {speeds} are {_slower(lowest, found['speed_exponent'])}"
     )
     alone = found["by_basis"]["melt"]["critical_moisture"]
     if not alone or found["moisture"] < alone:

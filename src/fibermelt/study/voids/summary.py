@@ -13,10 +13,16 @@ from fibermelt.study.voids.advice import advice
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["summarize_voids", "voids_in_words", "worst_line"]
+__all__ = ["BESIDE", "summarize_voids", "voids_in_words", "worst_line"]
 
 BASIS = "bounds"
 """Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
+
+OF_A_BEAD = "zone_time"
+"""A variable that only results of a flow that was solved here have: others have no bed."""
+
+BESIDE = ("streamline", "near_singularity", OF_A_BEAD)
+"""What is read beside the variables of voids, where the results have it."""
 
 _ON_LINE = (
     "lowest_pressure",
@@ -38,8 +44,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
     Parameters
     ----------
     results : xarray.Dataset
-        The results, as in results.nc, or the variables of voids alone with ``streamline`` and
-        ``near_singularity``.
+        The results, as in results.nc, or the variables of voids alone with `BESIDE`.
 
     Returns
     -------
@@ -47,7 +52,8 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
         The numbers on top hold for a fiber in its worst direction and without the streamlines that
         pass close by a singular corner; ``including_singular`` with them. ``by_basis`` has the
         same numbers of other pressures (see ``void_basis``), ``profile`` goes from the bed to the
-        free surface. None stands for what there is none of: a critical radius or a rate where no
+        free surface; a flow that was not solved here has neither, and its paths no heights. None
+        stands for what there is none of: a critical radius or a rate where no
         bubble can grow, a critical moisture where no moisture that the polymer can hold suffices.
         A critical moisture of 0 says that the melt is under tension: no drying helps.
     """
@@ -73,7 +79,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
             "including_singular": everything[BASIS],
             "by_basis": {label: regular[label] for label in labels},
             "streamlines": _streamlines(results, labels),
-            "profile": _profile(results, labels),
+            "profile": _profile(results, labels) if OF_A_BEAD in results else [],
         }
     }
 
@@ -105,12 +111,13 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
         name: told[f"void_{name}"].to_numpy()
         for name in (*_ON_LINE, "height", "lowest_x", "lowest_y", "moisture_limit")
     }
+    is_bead = OF_A_BEAD in results
     lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
             "near_singularity": bool(results["near_singularity"][k]),
-            "height": float(arrays["height"][k]),
+            **({"height": float(arrays["height"][k])} if is_bead else {}),
             **{name: or_none(arrays[name][k]) for name in _ON_LINE},
             "critical_moisture": or_none(arrays["moisture_limit"][k]),
             "x": float(arrays["lowest_x"][k]),
@@ -190,15 +197,15 @@ def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
 
 def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     """Return the lines on the lowest pressure, met on ``worst``, and on the profile."""
-    highest = 1e3 * max(float(layer["height"]) for layer in voids["profile"])
+    highest = max((1e3 * float(layer["height"]) for layer in voids["profile"]), default=0.0)
 
     def height(of: Mapping[str, Any]) -> str:
         return rounded(1e3 * of["height"], highest)
 
+    ends = f", which ends {height(worst)} mm up in the bead" if voids["profile"] else ""
     lines = [
         f"lowest local    {_mpa(worst['lowest_pressure'])} MPa absolute on a fiber in its "
-        f"worst direction, on streamline {worst['index']}, which ends {height(worst)} "
-        "mm up in the bead",
+        f"worst direction, on streamline {worst['index']}{ends}",
     ]
     if (in_space := voids["by_basis"].get("spheroid")) is not None:
         lowest = _mpa(in_space["lowest_pressure"])
@@ -206,6 +213,8 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     if nucleation := _nucleation(voids, worst):
         lines.append(f"nucleation      {nucleation}")
     layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]
+    if not layers:
+        return lines
     first, last = layers[0], layers[-1]
     deepest = min(layers, key=lambda layer: float(layer["mean_pressure"]))
     return [
