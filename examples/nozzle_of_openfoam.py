@@ -155,6 +155,7 @@ for line, value in zip(lines, lowest, strict=True):
     above.annotate(f"{value / 1e3:.0f}", 1e3 * line.history.position[0, :2], ha="right")
 above.set(
     xlim=(-4.5, -0.9),
+    ylim=(-1.3, 1.3),
     ylabel="y [mm]",
     title="lowest pressure on fibers over the melt's [kPa]",
 )

@@ -92,8 +92,9 @@ def test_pipe_in_space(capsys: pytest.CaptureFixture[str]) -> None:
     assert names["off"] < 1e-10  # a cubic has a parabola but for rounding
     ratio = names["met"] / names["exact"][:, None]
     assert ratio.max() <= 1.0 + 1e-10
-    # in strains of 0.6 and more, one of twenty fibers comes within ten degrees of the worst
-    assert np.all(ratio.max(axis=1) > np.cos(np.radians(20.0)) ** 2)
+    # at strains of 1.2 and more one of twenty fibers passes the worst within ten degrees, of whose
+    # double the cosine counts
+    assert np.all(ratio.max(axis=1) > np.cos(np.radians(20.0)))
     assert "-1600.4 kPa" in capsys.readouterr().out
 
 
