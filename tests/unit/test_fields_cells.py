@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 from dialects import Sample, cgns, openfoam, sample, vtu
-from exact_flows import ROTATION, SLIT, ExactFlow, box
+from exact_flows import COUETTE, ROTATION, SLIT, ExactFlow, box
 from test_flow_field import square_field
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from vtkmodules.vtkIOHDF import vtkHDFWriter
@@ -285,6 +285,9 @@ def test_openfoam_in_space_and_on_one_layer(tmp_path: Path) -> None:
     layer = read_field(openfoam(tmp_path / "layer", SLIT, (8, 8, 1)))
     assert layer.geometry == "planar"
     assert len(layer.points) == 81
+    sheared = read_field(openfoam(tmp_path / "sheared", COUETTE, (8, 8, 1)))
+    error = np.linalg.norm(sheared.gradient - COUETTE.gradient(sheared.points), axis=(1, 2))
+    assert error.max() < 1e-5  # at its sides, too
 
 
 def test_openfoams_walls_are_at_rest(tmp_path: Path) -> None:

@@ -125,6 +125,27 @@ def test_values_of_cells_reach_the_nodes_linearly() -> None:
         np.testing.assert_allclose(linear, 1 + mesh.points @ slope, atol=1e-11)
 
 
+@pytest.mark.parametrize("shape", [(5, 4, 1), (1, 1, 6)])
+def test_values_of_one_layer_reach_the_nodes_linearly(shape: tuple[int, int, int]) -> None:
+    """A layer and a row of bricks, turned: of what is across the cells say nothing."""
+    node = np.arange(np.prod(np.add(shape, 1))).reshape(np.add(shape, 1))
+    axes = [np.linspace(0.0, n, n + 1) for n in shape]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    steps = [slice(None, -1), slice(1, None)]
+    corners = np.stack([node[i, j, k].ravel() for i in steps for j in steps for k in steps], axis=1)
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    m = len(corners)
+    member = csr_array(
+        (np.ones(8 * m, dtype=bool), (corners.ravel(), np.repeat(np.arange(m), 8))),
+        (len(points), m),
+    )
+    slope = np.where(np.array(shape) > 1, [2.0, -1.0, 0.5], 0.0)
+    values = 1 + points @ slope
+    matrix = cells_to_nodes(points @ turn, points[corners].mean(axis=1) @ turn, member)
+    # as above
+    np.testing.assert_allclose(matrix @ values[corners].mean(axis=1), values, atol=1e-11)
+
+
 def test_one_cell_gives_its_value_to_all_its_nodes() -> None:
     member = csr_array(np.ones((3, 1), dtype=bool))
     points = np.array([[0.0, 0], [1, 0], [0, 1]])

@@ -66,6 +66,21 @@ def test_one_flow_six_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line[:20].strip() for line in lines[1:]] == list(names["fields"])
 
 
+def test_nozzle_of_openfoam(capsys: pytest.CaptureFixture[str]) -> None:
+    """Jeffery and Hamel's flow without inertia: straight paths, bounds in closed form."""
+    names = runpy.run_path(str(EXAMPLES / "nozzle_of_openfoam.py"))
+    assert names["field"].geometry == "planar"
+    assert all(line.end == "outlet" for line in names["lines"])
+    # of second order in the width of one of forty cells, (1/20)^2 of half the width, but for a
+    # factor of about one
+    assert names["section"].flux == pytest.approx(names["flux"], rel=1 / 400)
+    assert max(names["off"]) < 2 / 400
+    assert max(names["turned"]) < 1 / 400
+    inside = (names["r"] > 1.15 * names["outlet"]) & (names["r"] < 0.9 * names["inlet"])
+    assert np.abs(names["pressure"] / names["known"] - 1)[inside].max() < 1 / 400
+    assert "one layer of cells: read as planar" in capsys.readouterr().out
+
+
 def test_pipe_in_space(capsys: pytest.CaptureFixture[str]) -> None:
     """The flux of a round pipe, and the tips of a stretched spheroid by Jeffery's integrals."""
     names = runpy.run_path(str(EXAMPLES / "pipe_in_space.py"))
@@ -77,8 +92,9 @@ def test_pipe_in_space(capsys: pytest.CaptureFixture[str]) -> None:
     assert names["off"] < 1e-10  # a cubic has a parabola but for rounding
     ratio = names["met"] / names["exact"][:, None]
     assert ratio.max() <= 1.0 + 1e-10
-    # in strains of 0.6 and more, one of twenty fibers comes within ten degrees of the worst
-    assert np.all(ratio.max(axis=1) > np.cos(np.radians(20.0)) ** 2)
+    # at strains of 1.2 and more one of twenty fibers passes the worst within ten degrees, of whose
+    # double the cosine counts
+    assert np.all(ratio.max(axis=1) > np.cos(np.radians(20.0)))
     assert "-1600.4 kPa" in capsys.readouterr().out
 
 

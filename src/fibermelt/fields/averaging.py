@@ -18,6 +18,10 @@ FARTHEST = 36.0
 is led on to it: 12 in the corner of a box of two layers of bricks, 17 of tetrahedra. Beyond, the
 cells lie in one layer and say nothing of the slope across."""
 
+LEVEL = 1e-5
+"""Parts of the longest extent of all cells' centres below which they lie in one layer, or one row:
+coordinates may have four bytes."""
+
 ROWS = 10_000
 """Nodes looked at together."""
 
@@ -39,8 +43,11 @@ def cells_to_nodes(points: Array, centres: Array, member: csr_array) -> csr_arra
     A plane is fitted through the cells at the node, and evaluated there: linear fields are
     reproduced up to the boundary, where the cells next to those at the node help. In coordinates
     with the patch's mean as origin and its covariance the identity, the weights of K cells at
-    ``y_k`` for a node at ``y`` are ``(1 + y . y_k) / K``.
+    ``y_k`` for a node at ``y`` are ``(1 + y . y_k) / K``. Of cells in one layer, as OpenFOAM has
+    planar and axisymmetric flows, the plane is one in the layer.
     """
+    within = _span(centres)
+    points, centres = points @ within, centres @ within
     count = len(points)
     rows, columns, weights = [], [], []
     left = np.arange(count)
@@ -77,3 +84,11 @@ def cells_to_nodes(points: Array, centres: Array, member: csr_array) -> csr_arra
     shape = (count, len(centres))
     entries = (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns)))
     return csr_array(entries, shape=shape)
+
+
+def _span(centres: Array) -> Array:
+    """Return the directions (d, s) in which centres (m, d) have an extent; at least one."""
+    extent, axes = np.linalg.eigh(np.cov(centres, rowvar=False, bias=True))
+    has = extent > LEVEL**2 * extent[-1]
+    has[-1] = True
+    return np.eye(len(axes)) if has.all() else np.asarray(axes[:, has])

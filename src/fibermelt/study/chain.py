@@ -142,7 +142,7 @@ CHAIN = Chain(
             but_for_scale=flow_but_for_scale,
             estimates=flow_estimates,
         ),
-        Stage("field", 2, ("field",), (), field_stage),
+        Stage("field", 3, ("field",), (), field_stage),
         Stage(
             "streamlines",
             4,
