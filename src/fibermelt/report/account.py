@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["account", "parameters", "title_of"]
 
-KEY = ("flow", "melt", "fiber", "streamlines")
+KEY = ("flow", "field", "paths", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
 
 OF_OTHERS = frozenset(
@@ -81,6 +81,7 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     for declaration in declarations(Config):
         by_section.setdefault(declaration.key.partition(".")[0], []).append(declaration)
     by_section.pop("study", None)
+    _of_the_source(by_section, values["flow.source"])
     parts = values["study.parts"]
     is_open = set(KEY if "bead" in parts else by_section)
     changed = sum(
@@ -110,6 +111,20 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
             )
         )
     return words + Markup('<div class="parameters">\n{}</div>\n').format(Markup().join(shown))
+
+
+def _of_the_source(by_section: dict[str, list[Declaration]], source: str) -> None:
+    """Leave out what says of a flow where it does not come from."""
+    if source == "deposition":
+        del by_section["field"], by_section["paths"]
+        return
+    by_section["flow"] = [item for item in by_section["flow"] if item.key == "flow.source"]
+    if source == "histories":
+        del by_section["field"]
+    of_the_file = ("paths.file", "paths.content")
+    by_section["paths"] = [
+        item for item in by_section["paths"] if (item.key in of_the_file) == (source == "histories")
+    ]
 
 
 def _origin(results: xr.Dataset) -> str:

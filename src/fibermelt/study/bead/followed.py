@@ -92,8 +92,11 @@ def _in_plane_error(
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
+    from fibermelt.fiber.motion import UNCHECKED  # noqa: PLC0415
+
     coarse = path.every_second()
-    _, _, found = _in_plane(parameters, coarse, model, angles, middle, COARSE_TOLERANCE)
+    tolerance = UNCHECKED if model.thinning is None else COARSE_TOLERANCE
+    _, _, found = _in_plane(parameters, coarse, model, angles, middle, tolerance)
     return lambda value: np.abs(value - found.value)
 
 
