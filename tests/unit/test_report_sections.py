@@ -16,6 +16,7 @@ from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
 from fibermelt.report.answer import answer
+from fibermelt.report.chapters import numbers
 from fibermelt.report.embed import Embedded
 from fibermelt.report.figures import FIGURES
 from fibermelt.report.judged import claims, verification
@@ -190,6 +191,16 @@ def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[
     ]
     for assumed in (*found["material"]["estimates"], *found["material"]["missing"]):
         assert assumed in html
+
+
+def test_numbers_of_a_flow_from_elsewhere_name_no_capillary(bead: xr.Dataset) -> None:
+    summary = stored_summary(bead)
+    assert "Loc. 1 lies above the middle of the capillary" in numbers(bead, summary)
+    whole = [{**one, "location": 0} for one in summary["extremes"] if one["location"] == 1]
+    html = numbers(bead, {**summary, "flow": {}, "extremes": whole})
+    assert "capillary" not in html
+    assert "The flow" not in html
+    assert "Loc. 0 is the whole way" in html
 
 
 def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:
