@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from fibermelt.study.config.given import fingerprint
+from fibermelt.study.config.field import ImportedField
+from fibermelt.study.config.given import GivenFile, fingerprint
+from fibermelt.study.config.paths import Paths
 
 HEADS = {
     "flow.case": "FORMAT\ntype: ensight gold\n",
@@ -57,3 +59,10 @@ def test_results_in_an_openfoam_case_are_none_of_it(tmp_path: Path) -> None:
     assert [fingerprint(file) for file in named] == before
     (tmp_path / "100/U").write_text("uniform (0 0 1)")
     assert not set(map(fingerprint, named)) & set(before)
+
+
+@pytest.mark.parametrize("table", [ImportedField, Paths])
+def test_a_file_that_is_not_there_is_told_its_key(table: type[GivenFile]) -> None:
+    told = f"{table.TABLE}.file = none.csv: cannot be read: no such file or directory; names are"
+    with pytest.raises(ValueError, match=told):
+        table(file="none.csv")

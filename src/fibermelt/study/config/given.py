@@ -6,7 +6,7 @@ import hashlib
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import model_validator
 
@@ -105,6 +105,9 @@ def refuse_changed(table: str, file: str, content: str) -> None:
 class GivenFile(Section):
     """A table that names a file."""
 
+    TABLE: ClassVar[str]
+    """What the table is called."""
+
     content: str = setting(
         "", "Fingerprint of the file, filled in as a study is read: what has changed is computed."
     )
@@ -121,4 +124,5 @@ class GivenFile(Section):
         try:
             return {**data, "content": fingerprint(file)}
         except ConfigError as error:
-            raise ValueError(str(error)) from error
+            msg = f"{cls.TABLE}.file = {error}; names are from the working directory"
+            raise ValueError(msg) from error
