@@ -26,6 +26,7 @@ from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
 from fibermelt.report.tables import fixed, number, percent, short, sized
 from fibermelt.report.voids import voids_words
+from fibermelt.study.bead.summary import bead_in_words
 from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
 from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
 from fibermelt.study.voids.advice import advice
@@ -201,6 +202,14 @@ def test_numbers_of_a_flow_from_elsewhere_name_no_capillary(bead: xr.Dataset) ->
     assert "capillary" not in html
     assert "The flow" not in html
     assert "Loc. 0 is the whole way" in html
+
+
+def test_what_was_assumed_of_a_file_is_told(bead: xr.Dataset) -> None:
+    summary = stored_summary(bead.assign(field_notes="lengths in m are assumed\na trace"))
+    assert summary["field"] == {"notes": ["lengths in m are assumed", "a trace"]}
+    assert "as read         lengths in m are assumed" in bead_in_words(summary)
+    assert "lengths in m are assumed" in answer(bead, summary)
+    assert "field" not in stored_summary(bead.assign())
 
 
 def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:
