@@ -146,7 +146,11 @@ def _numbers(path: Path, shown: str) -> tuple[list[str], Array]:
         msg = f"{shown}: cannot be read as a table of paths: {reason.lower()}"
         raise ConfigError(msg) from error
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    rows = list(csv.reader(lines, skipinitialspace=True))
+    try:
+        rows = list(csv.reader(lines, skipinitialspace=True))
+    except csv.Error as error:
+        msg = f"{shown}: cannot be read as a table of paths: {error}"
+        raise ConfigError(msg) from error
     if len(rows) < 2:
         msg = (
             f"{shown}: holds no path: a line with the names of the columns, then one for each point"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
 from dialects import cfdpost, fluent, sample, sectionwise, vtu
-from exact_flows import SLIT
+from exact_flows import PIPE, SLIT
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
@@ -49,6 +50,13 @@ def test_words_end_with_a_table_that_a_study_reads(tmp_path: Path, write) -> Non
     assert ("# length_unit" in text) == (write in {fluent, vtu})
 
 
+def test_a_flow_in_space_is_told_its_fibers(tmp_path: Path) -> None:
+    told, planar = (fields(str(vtu(tmp_path, sample(flow, 2)))).stdout for flow in (PIPE, SLIT))
+    assert "[fiber]" not in planar
+    text = re.sub(r"(?m)^# (\[fiber|model|directions)", r"\1", told.split("In a study:")[1])
+    assert tomllib.loads(text)["fiber"] == {"model": "spheroid", "directions": "equal-area"}
+
+
 def test_a_mistake_is_one_line(tmp_path: Path) -> None:
     done = fields(str(tmp_path / "none"))
     assert done.exit_code == 2
@@ -58,7 +66,12 @@ def test_a_mistake_is_one_line(tmp_path: Path) -> None:
 
 def test_the_table_takes_units_and_lists() -> None:
     section = ImportedField(
-        file="a", pressure_zero="1 bar", mirror=["y", "z = 1 mm"], axis="none", time_step=0.5
+        file="a",
+        content="known",
+        pressure_zero="1 bar",
+        mirror=["y", "z = 1 mm"],
+        axis="none",
+        time_step=0.5,
     )
     wanted = section.as_map()
     assert wanted.pressure_zero == 1e5

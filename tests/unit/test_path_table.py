@@ -105,3 +105,9 @@ def test_no_file(tmp_path: Path) -> None:
         ConfigError, match=r"nothing\.csv: cannot be read as a table of paths: no such"
     ):
         read_paths(tmp_path / "nothing.csv")
+
+
+def test_a_file_that_is_no_table_is_told(tmp_path):
+    (tmp_path / "flow.vtu").write_text("<VTKFile>\n" + "A" * 200_000)
+    with pytest.raises(ConfigError, match="cannot be read as a table of paths: field larger"):
+        read_paths(tmp_path / "flow.vtu")

@@ -123,6 +123,8 @@ def test_what_lies_beside_it_is_a_click_away(page: str, results: xr.Dataset) -> 
         assert f'<a href="{name}">{name}</a>' in page
     alone = results.assign_attrs(config='study.parts = ["orientation"]')
     assert "flow.vtu" not in files(alone, {})  # no other part writes one
+    study = 'flow.source = "field"\nfield.file = "a.vtu"\nfield.content = "known"'
+    assert "flow.vtu" not in files(results.assign_attrs(config=study), {})
 
 
 def test_figures_stand_once_each_with_words_and_a_size(read: Reader, results: xr.Dataset) -> None:

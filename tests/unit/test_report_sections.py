@@ -16,6 +16,7 @@ from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
 from fibermelt.report.answer import answer
+from fibermelt.report.chapters import numbers
 from fibermelt.report.embed import Embedded
 from fibermelt.report.figures import FIGURES
 from fibermelt.report.judged import claims, verification
@@ -25,6 +26,7 @@ from fibermelt.report.single_fibers import dimensions, shear
 from fibermelt.report.suspensions import content, orientation
 from fibermelt.report.tables import fixed, number, percent, short, sized
 from fibermelt.report.voids import voids_words
+from fibermelt.study.bead.summary import bead_in_words
 from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
 from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
 from fibermelt.study.voids.advice import advice
@@ -190,6 +192,24 @@ def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[
     ]
     for assumed in (*found["material"]["estimates"], *found["material"]["missing"]):
         assert assumed in html
+
+
+def test_numbers_of_a_flow_from_elsewhere_name_no_capillary(bead: xr.Dataset) -> None:
+    summary = stored_summary(bead)
+    assert "Loc. 1 lies above the middle of the capillary" in numbers(bead, summary)
+    whole = [{**one, "location": 0} for one in summary["extremes"] if one["location"] == 1]
+    html = numbers(bead, {**summary, "flow": {}, "extremes": whole})
+    assert "capillary" not in html
+    assert "The flow" not in html
+    assert "Loc. 0 is the whole way" in html
+
+
+def test_what_was_assumed_of_a_file_is_told(bead: xr.Dataset) -> None:
+    summary = stored_summary(bead.assign(field_notes="lengths in m are assumed\na trace"))
+    assert summary["field"] == {"notes": ["lengths in m are assumed", "a trace"]}
+    assert "as read         lengths in m are assumed" in bead_in_words(summary)
+    assert "lengths in m are assumed" in answer(bead, summary)
+    assert "field" not in stored_summary(bead.assign())
 
 
 def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:

@@ -13,8 +13,21 @@ KEYS = {"length": "length_unit", "velocity": "velocity_unit", "pressure": "press
 """Keys of a study by what they give the unit of."""
 
 
+SPACE = 3
+"""Dimensions of a field in which fibers turn out of the plane."""
+
+IN_SPACE = [
+    "",
+    "# fibers in a flow in space (one layer of cells is read as planar):",
+    "# [fiber]",
+    '# model = "spheroid"',
+    '# directions = "equal-area"',
+]
+"""What a study says beside, as its defaults are of a fiber in a plane."""
+
+
 def field_in_words(path: str, found: FieldContents) -> list[str]:
-    """Return lines on a file's contents, the last ones a table ``[field]`` to be pasted."""
+    """Return lines on a file's contents, the last ones the tables of a study to be pasted."""
     length = found.units["length"] or ""
     sides = " x ".join(f"{low:.6g} to {high:.6g}" for low, high in found.bounds)
     cells = f"{found.cells} cells" if found.cells else "no cells"
@@ -36,7 +49,7 @@ def field_in_words(path: str, found: FieldContents) -> list[str]:
     if found.notes:
         lines += ["", *found.notes]
     lines += ["", "In a study:", "", "[flow]", 'source = "field"', "", *table(path, found)]
-    return lines
+    return lines + (IN_SPACE if found.dimension == SPACE else [])
 
 
 def table(path: str, found: FieldContents) -> list[str]:

@@ -63,7 +63,7 @@ def answer(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         lines.append(Markup('<dl class="answer">\n{}</dl>\n').format(items))
     lines += [
         Markup('<p class="fine">Mind that {}.</p>\n').format(note)
-        for note in summary.get("notes", ())
+        for note in (*summary.get("notes", ()), *summary.get("field", {"notes": ()})["notes"])
     ]
     if listed := summary.get("claims"):
         words = Markup('<p class="fine">Of {}: {} (<a href="#claims">each of them</a>).</p>\n')

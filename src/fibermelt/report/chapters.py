@@ -54,7 +54,7 @@ def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     ]
     return Markup().join(
         [
-            table("The flow, ± estimated error", quantity, flow),
+            table("The flow, ± estimated error", quantity, flow) if flow else Markup(),
             table("The fiber, ± estimated error", quantity, _fiber(summary["cell"])),
             _lines(summary),
         ]
@@ -161,10 +161,14 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
             ]
         rows.append(cells)
     note = Markup(
-        "<p>Lowest pressure on the fiber's surface less the melt's own: Loc. 1 lies above the "
-        "middle of the capillary, Loc. 2 below it. The mean runs over the initial angles; the "
+        "<p>Lowest pressure on the fiber's surface less the melt's own: {}. The mean runs over "
+        "the initial angles; the "
         "worst is a bound: no fiber, however it entered, sees less. * passes close to a singular "
         "corner, where refining the mesh gives no limit.</p>\n"
+    ).format(
+        "Loc. 1 lies above the middle of the capillary, Loc. 2 below it"
+        if any(locations)
+        else "Loc. 0 is the whole way"
     )
     return table("Lowest pressure by streamline", columns, rows) + note
 
@@ -192,7 +196,9 @@ BESIDE = (
 def files(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return links to what lies beside the page in its folder."""
     del summary
-    parts = parameters(results)["study.parts"]
+    values = parameters(results)
+    is_solved = values["flow.source"] == "deposition"
+    parts = values["study.parts"] if is_solved else ()
     rows = [
         (Markup('<a href="{0}">{0}</a>').format(name), what)
         for name, part, what in BESIDE

@@ -59,7 +59,8 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         ``flow``, ``paths``, ``streamlines``, ``cell``, ``extremes`` and ``orientation``. A flow
-        that was not solved here has paths and what its melt goes through, and no nozzle's numbers.
+        that was not solved here has paths and what its melt goes through, and no nozzle's numbers;
+        ``field`` has the ``notes`` on how its file was read.
         Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
@@ -73,8 +74,10 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS if name in results}
     flow |= {name: int(results[name]) for name in FLOW_COUNTS if name in results}
     flow |= melt_met(results)
+    notes = str(results["field_notes"].item()).split("\n") if "field_notes" in results else []
     return {
         "flow": flow,
+        **({"field": {"notes": [note for note in notes if note]}} if notes else {}),
         "paths": _paths(results),
         "streamlines": _streamlines(results),
         "cell": _cell(results),
@@ -297,6 +300,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
     factor = round(cell["shape_factor"], 4) + 0.0
     lines = [
         *(_bead(flow) if "bead_height" in flow else _given(summary["paths"])),
+        *(f"as read         {note}" for note in summary.get("field", {"notes": ()})["notes"]),
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
         *_in_its_melt(cell),
     ]

@@ -16,6 +16,8 @@ __all__ = ["ImportedField"]
 class ImportedField(GivenFile):
     """Another solver's file that the flow is read from; `fibermelt fields` says what is in it."""
 
+    TABLE = "field"
+
     file: str = setting(
         "",
         "The file, from the working directory; of OpenFOAM the case's folder.",

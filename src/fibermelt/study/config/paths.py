@@ -33,6 +33,8 @@ _Ends: Any = create_model("_Ends", __base__=GivenFile, **_ENDS)
 class Paths(_Ends):  # type: ignore[misc]
     """The paths of fibers through an imported flow, or a file of paths."""
 
+    TABLE = "paths"
+
     file: str = setting(
         "",
         'Table of paths, with flow.source = "histories": CSV with a line for each point, columns '
