@@ -51,6 +51,10 @@ GOOD = {
     "stall": {"stall_shape_factor_error": 2e-7},
     "cell": {"shape_factor": 1.034, "shape_factor_error": 1e-4, "tip_pressure_error": 1e-2},
     "response": {"thinning_spin_error": 1e-5, "thinning_pressure_error": 2e-3},
+    "motion": {
+        "extreme_error": np.full((2, 3, 2, 2), 1e3),
+        "extreme_bounds": np.full((2, 2, 2, 2), 1e6),
+    },
     "orientation": {
         "orientation_error": np.array([1e-7, 1e-6]),
         "closure_exact_error": 1e-5,
@@ -72,11 +76,13 @@ BAD = [
     ("cell", "tip_pressure_error", 0.06),
     ("response", "thinning_spin_error", 6e-3),
     ("response", "thinning_pressure_error", 1.1e-2),
+    ("motion", "extreme_error", np.full((2, 3, 2, 2), 3e5)),
     ("orientation", "orientation_error", np.array([1e-7, 2e-3])),
     ("orientation", "closure_exact_error", 2e-3),
 ]
 
 NOT_THE_STAGES_OWN = {
+    "field_gradient_error": "of nodes where no path may lead: held along the paths",
     "void_estimates": "names what a material card estimates",
     "effect_inlet_pressure_error": "held by the flow's own bounds within the stage",
     "effect_contact_point_error": "the same",

@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.study.bead.fiber import cell_estimates, cell_stage, motion_stage
+from fibermelt.study.bead.fiber import (
+    cell_estimates,
+    cell_stage,
+    motion_estimates,
+    motion_stage,
+)
 from fibermelt.study.bead.flow import (
     FLOW_NUMERICS,
     flow_but_for_scale,
@@ -182,6 +187,7 @@ CHAIN = Chain(
             motion_stage,
             inputs_if=_in_the_melt,
             light_if=_always,
+            estimates=motion_estimates,
         ),
         Stage(
             "orientation",
