@@ -63,11 +63,14 @@ class PathTable:
         The largest trace that was taken out of each path's gradient, over the gradient there [-].
     notes : tuple of str
         What was done to the data on the way, in words.
+    numbers : tuple of int
+        What the table calls the paths; 1, 2, ... where it has no whole numbers for them.
     """
 
     histories: tuple[FlowHistory, ...]
     divergence: tuple[float, ...]
     notes: tuple[str, ...]
+    numbers: tuple[int, ...]
 
 
 def read_paths(file: str | Path) -> PathTable:
@@ -130,7 +133,11 @@ def read_paths(file: str | Path) -> PathTable:
         notes.append(f"a trace of up to {max(divergence):.2g} of the gradient was taken out")
     if "pressure" not in by_name:
         notes.append("there is no pressure: it is taken for zero, that of the surrounding air")
-    return PathTable(tuple(found), tuple(divergence), tuple(notes))
+    names = list(dict.fromkeys(number.tolist()))
+    if "path" not in by_name or not all(name.is_integer() for name in names):
+        names = list(range(1, len(found) + 1))
+    called = tuple(int(name) for name in names)
+    return PathTable(tuple(found), tuple(divergence), tuple(notes), called)
 
 
 def _stacked(columns: dict[str, Array], names: Sequence[str], rows: NDArray[np.bool_]) -> Array:

@@ -56,6 +56,7 @@ def test_several_paths_in_a_plane_without_pressure(tmp_path: Path) -> None:
     table = read_paths(write(tmp_path, head, *lines))
     assert [path.plane_gradient[0, 0, 1] for path in table.histories] == [4.0, 7.0]
     assert table.histories[0].planar
+    assert table.numbers == (4, 7)
     assert table.histories[0].temperature == pytest.approx(503.15)
     assert table.divergence[0] == pytest.approx(1e-9 / 4.0)
     assert [note.split(",")[0] for note in table.notes] == [

@@ -157,6 +157,7 @@ def _read_histories(parameters: Parameters, say: Say) -> xr.Dataset:
     return labelled(
         {
             **along_paths(histories),
+            "streamline": list(table.numbers),
             "viscosity": np.stack(own),
             "near_singularity": np.zeros(len(histories), dtype=np.int8),
             "path_end": ["file"] * len(histories),
