@@ -143,6 +143,7 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
         (["flow.source=histories"], "paths.file: missing"),
         (["paths.file=nothing.csv"], "nothing.csv: cannot be read"),
         (['flow.source="field"', "field.file=here", 'study.parts=["bead", "claims"]'], "claims"),
+        (["paths.count=7"], "paths.count: is not read with flow.source"),
         (['paths.seeds="points"'], "without paths.points"),
         (['paths.seeds="line"'], "without paths.from"),
         (['paths.from=["1 mm"]'], "give x, y"),

@@ -179,11 +179,15 @@ def _risk(found: Mapping[str, Any]) -> str:
     )
 
 
-def _place(x: float, y: float, width: float) -> str:
+def _place(x: float, y: float, width: float, z: float | None = None) -> str:
     """Return a place in words [m]; the capillary's width tells with how many digits."""
     if width < 0.0:
-        across, up = (sized(MM * value, -MM * width) for value in (x, y))
-        return f"at x = {across} mm, y = {up} mm"
+        told = (
+            f"{name} = {sized(MM * value, -MM * width)} mm"
+            for name, value in zip("xyz", (x, y, z), strict=True)
+            if value is not None
+        )
+        return f"at {', '.join(told)}"
     side = "downstream" if x >= 0 else "upstream"
     return (
         f"{sized(MM * abs(x), MM * width)} mm {side} of the nozzle’s axis and "
@@ -194,7 +198,8 @@ def _place(x: float, y: float, width: float) -> str:
 def _where(found: Mapping[str, Any], worst: Mapping[str, Any], width: float) -> str:
     if width < 0.0:
         return (
-            f"The lowest pressure is met {_place(worst['x'], worst['y'], width)}, on path "
+            f"The lowest pressure is met "
+            f"{_place(worst['x'], worst['y'], width, worst.get('z'))}, on path "
             f"{worst['index']}."
         )
     told = (
@@ -227,6 +232,7 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
     lowest = float(local[row, point])
     at = lines.isel(streamline=int(row), point=int(point))
     below = "below" if lowest < 0 else "above"
+    z = float(at["z"]) if "z" in at else None
     return [
         (
             "Can it void?",
@@ -235,8 +241,8 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
         ),
         (
             "Where?",
-            f"It is met {_place(float(at['x']), float(at['y']), _width(results))}, on streamline "
-            f"{int(at['streamline'])}.",
+            f"It is met {_place(float(at['x']), float(at['y']), _width(results), z)}, on "
+            f"streamline {int(at['streamline'])}.",
         ),
         ("What to do?", 'Add "voids" to study.parts: it tells at what moisture a bubble can grow.'),
     ]

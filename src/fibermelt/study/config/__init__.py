@@ -172,6 +172,19 @@ class Config(Section):
                     f'flow.source = "{name}", or leave it away'
                 )
                 raise ValueError(msg)
+        default = Paths()
+        idle = [
+            name
+            for name in Paths.model_fields
+            if name not in ("file", "content")
+            and getattr(self.paths, name) != getattr(default, name)
+        ]
+        if idle and source != "field":
+            msg = (
+                f'paths.{idle[0]}: is not read with flow.source = "{source}": leave it away, or '
+                'say flow.source = "field"'
+            )
+            raise ValueError(msg)
         known = [name for name in DEPOSITION_PARTS if name in self.study.parts]
         if source != "deposition" and known:
             msg = (

@@ -144,11 +144,13 @@ def orientation_in_words(summary: Mapping[str, Any]) -> list[str]:
     along = [one["a"][0][0] for one in found["in_the_bead"]]
     closure = found["closure_error"]
     model = model_in_words(found["model"], found["interaction"], found["parameters"])
-    lines = [f"orientation     a_xx in the bead {min(along):.3f} to {max(along):.3f}, by {model}"]
+    given = "paths" in summary and "bead_height" not in summary["flow"]
+    where = "where the paths end" if given else "in the bead"
+    lines = [f"orientation     a_xx {where} {min(along):.3f} to {max(along):.3f}, by {model}"]
     if closure is not None:
         lines[0] += (
             f"; the closure is off by up to {closure['largest']:.3f} on streamline "
-            f"{closure['streamline']}, {closure['in_the_bead']:.3f} in the bead"
+            f"{closure['streamline']}, {closure['in_the_bead']:.3f} {where}"
         )
     if found["violation"] > 0:
         lines.append(f"                eigenvalues leave [0, 1] by up to {found['violation']:.1e}")

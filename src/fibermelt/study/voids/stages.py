@@ -104,6 +104,7 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_lowest_pressure": found.lowest_pressure,
         "void_lowest_x": _at_lowest(lines["x"].to_numpy()[:, None, :], found),
         "void_lowest_y": _at_lowest(lines["y"].to_numpy()[:, None, :], found),
+        **_in_space(lines, found),
         "void_margin": found.margin,
         "void_time_below": found.time_below,
         "void_first_below": _none(found.first_below),
@@ -272,6 +273,13 @@ def _speed_exponent(viscosity: Viscosity) -> float:
     if isinstance(law, float):
         return 1.0
     return law.index if isinstance(law, PowerLaw) else nan
+
+
+def _in_space(lines: xr.Dataset, found: Assessment) -> dict[str, Array]:
+    """Return the third coordinate of the lowest pressure, of paths that have one."""
+    if "z" not in lines:
+        return {}
+    return {"void_lowest_z": _at_lowest(lines["z"].to_numpy()[:, None, :], found)}
 
 
 def _at_lowest(values: Array, found: Assessment) -> Array:

@@ -112,6 +112,7 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
         for name in (*_ON_LINE, "height", "lowest_x", "lowest_y", "moisture_limit")
     }
     is_bead = OF_A_BEAD in results
+    z = told["void_lowest_z"].to_numpy() if "void_lowest_z" in told else None
     lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
     return [
         {
@@ -122,6 +123,7 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
             "critical_moisture": or_none(arrays["moisture_limit"][k]),
             "x": float(arrays["lowest_x"][k]),
             "y": float(arrays["lowest_y"][k]),
+            **({} if z is None else {"z": float(z[k])}),
             "lowest_by_basis": dict(zip(labels, map(float, lowest[k]), strict=True)),
         }
         for k in range(results.sizes["streamline"])

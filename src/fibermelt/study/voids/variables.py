@@ -56,6 +56,7 @@ VOID_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "void_lowest_pressure": (_LINE, "Pa", "lowest absolute local pressure on the streamline"),
     "void_lowest_x": (_LINE, "m", "x of the lowest pressure, from the nozzle's axis"),
     "void_lowest_y": (_LINE, "m", "y of the lowest pressure, from the bed"),
+    "void_lowest_z": (_LINE, "m", "z of the lowest pressure, of paths in space"),
     "void_margin": (_LINE, "Pa", "lowest pressure less vapor pressure"),
     "void_time_below": (_LINE, "s", "time below the vapor pressure, up to the outlet"),
     "void_first_below": (_LINE, "s", "first time below the vapor pressure; NaN if never"),
