@@ -143,6 +143,7 @@ def _history(
     )
     history = replace(history, viscosity=melt.viscosity_at(history.shear_rate))
     psi, error = (field.evaluate(f, place) for f in (field.stream_function, field.gradient_error))
+    error = np.maximum(error, 0.0)  # between nodes the polynomial of an error may fall below
     return history, psi, error
 
 
