@@ -137,7 +137,12 @@ def test_in_words():
         ({"--angle": "steep"}, '--angle = "steep": is not a number in rad'),
         (
             {"--model": "disc"},
-            'model = "disc": must be "confined-ellipse" or "ellipse" or "spheroid"',
+            'model = "disc": must be "confined-ellipse" or "ellipse" or "spheroid" or "ellipsoid"',
+        ),
+        (
+            {"--model": "ellipsoid"},
+            'model = "ellipsoid": turns about all its axes and has no one orbit: take model '
+            '"spheroid"',
         ),
         ({"--path": "euler"}, 'path = "euler": must be "superposition" or "newton"'),
         (

@@ -87,7 +87,7 @@ def thinned(study: str) -> str:
 
 def whole(command: str) -> bool:
     """Tell a command from the name of one: it has all that it must be given, no placeholder."""
-    if re.search(r"\b(STUDY|DIR|KEY)\b|\[", command):
+    if re.search(r"\b(STUDY|DIR|KEY|FILE)\b|\[", command):
         return False
     _, name, *given = shlex.split(command)
     try:

@@ -68,6 +68,7 @@ def test_the_summary(finished):
     assert list(summary) == [
         "schema",
         "flow",
+        "paths",
         "streamlines",
         "cell",
         "extremes",

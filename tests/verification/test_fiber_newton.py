@@ -79,7 +79,7 @@ def assert_agrees(system: CellSystem, history: FlowHistory, run: NewtonMotion) -
     # the fiber goes with the melt
     fastest = np.abs(history.velocity).max()
     assert run.velocity == pytest.approx(
-        np.broadcast_to(history.velocity, run.velocity.shape), abs=AGREEMENT * fastest
+        np.broadcast_to(history.velocity[:, :2], run.velocity.shape), abs=AGREEMENT * fastest
     )
 
 
@@ -106,7 +106,7 @@ def test_agrees_along_a_streamline_of_the_papers_flow(
     # 300 Runge-Kutta steps in all, the sharpest turn at the nozzle's exit among them
     assert run.angle == pytest.approx(motion.angle, abs=1e-5)
     length = np.abs(np.diff(history.position, axis=0)).sum()
-    assert run.position[0] == pytest.approx(history.position, abs=1e-5 * length)
+    assert run.position[0] == pytest.approx(history.position[:, :2], abs=1e-5 * length)
     pressure = surface_pressure(history, system.response, MU, motion)
     exact = extremes(history, pressure, motion, line.middle_time)
     found = extremes(history, run, run, line.middle_time)

@@ -105,7 +105,7 @@ def test_frame_indifference(
     model, path, angles = models[name], wandering(seed), starts(seed)
     c, s = np.cos(turn), np.sin(turn)
     Q = np.array([[c, -s], [s, c]])
-    turned = history(path.time, path.velocity @ Q.T, Q @ path.gradient @ Q.T)
+    turned = history(path.time, path.velocity[:, :2] @ Q.T, Q @ path.plane_gradient @ Q.T)
     motion, pressure, found = chain(model, path, angles)
     motion2, pressure2, found2 = chain(model, turned, angles + turn)
     assert motion2.angle - turn == pytest.approx(motion.angle, abs=ANGLE)

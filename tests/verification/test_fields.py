@@ -81,10 +81,11 @@ def test_gradient_is_of_third_order_inside_and_at_walls(tmp_path: Path, flow: Ex
         error = np.linalg.norm(field.gradient - flow.gradient(field.points), axis=(1, 2))
         inside.append(np.sqrt(np.mean(error[~field.near_wall] ** 2)))
         wall.append(np.sqrt(np.mean(error[field.near_wall] ** 2)))
-        # above the error nearly everywhere, and not by orders of magnitude of the gradient
+        # above the error nearly everywhere, what lies between nodes included, and not by orders of
+        # magnitude of the gradient
         assert np.mean(field.gradient_error >= error) > 0.99
         size = np.median(np.linalg.norm(flow.gradient(field.points), axis=(1, 2)))
-        assert np.median(field.gradient_error) < 0.1 * size
+        assert np.median(field.gradient_error) < 0.2 * size
         assert np.abs(field.divergence).max() < 3 * error.max()
     # the cubic's order; meshes are moved at random, which costs or gives a quarter
     assert np.log2(inside[0] / inside[1]) == pytest.approx(3.0, abs=0.4)

@@ -39,7 +39,7 @@ __all__ = [
 
 def names(results: xr.Dataset) -> list[str]:
     """Return the names of all figures that results are enough for."""
-    return [plate.name for plate in FIGURES if plate.needs in results]
+    return [plate.name for plate in FIGURES if plate.is_of(results)]
 
 
 def figure(results: xr.Dataset, name: str) -> tuple[Axes, ...]:
@@ -62,9 +62,10 @@ def figure(results: xr.Dataset, name: str) -> tuple[Axes, ...]:
         known = ", ".join(one.name for one in FIGURES)
         msg = f'plot: there is no figure "{legible(str(name))}"; there are: {known}'
         raise ConfigError(msg)
-    if plate.needs not in results:
+    if not plate.is_of(results):
+        missing = next(needed for needed in plate.needs.split() if needed not in results)
         msg = (
-            f'plot: the figure "{name}" needs the variable {plate.needs}, which these results have '
+            f'plot: the figure "{name}" needs the variable {missing}, which these results have '
             "not: run the study with the part that gives it (study.parts)"
         )
         raise ConfigError(msg)

@@ -162,6 +162,12 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
             f'"{study.model}" has not: take model "confined-ellipse", or path "superposition"'
         )
         raise ConfigError(msg)
+    if study.model == "ellipsoid":
+        msg = (
+            'model = "ellipsoid": turns about all its axes and has no one orbit: take model '
+            '"spheroid"'
+        )
+        raise ConfigError(msg)
     if study.model != "confined-ellipse" and study.domain_size is not None:
         msg = (
             f'domain_size = {study.domain_size:g} with model = "{study.model}": that model has no '
