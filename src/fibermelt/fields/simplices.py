@@ -13,6 +13,7 @@ __all__ = [
     "adjacency",
     "boundary_nodes",
     "facets",
+    "ridges",
     "sharp_nodes",
     "signed_sizes",
     "used_only",
@@ -142,30 +143,45 @@ def used_only(cells: Index, count: int) -> tuple[Index, Index]:
     return number[cells], kept
 
 
-def sharp_nodes(points: Array, found: Facets) -> Index:
-    """Return the boundary nodes at which a sharp edge points into the flow.
+def ridges(points: Array, found: Facets) -> tuple[Index, Array, Array]:
+    """Return where two facets of the boundary meet, and how it turns there.
 
-    There the velocity gradient of a viscous flow is singular (a lip, a step, an insert).
+    Returns
+    -------
+    nodes : (r, k - 2) int array
+        Edges between faces; single nodes between the edges of a plane.
+    turn : (r,) array
+        Cosine between the outward normals.
+    ahead : (r,) array
+        Above zero where the boundary turns into the flow.
     """
     boundary = found.boundary
     spatial = boundary.shape[1] == 3
     sides = points[boundary[:, 1:]] - points[boundary[:, :1]]
     if spatial:
         normal = np.cross(sides[:, 0], sides[:, 1])
-        ridges = boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        edges = boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     else:
         normal = np.column_stack([sides[:, 0, 1], -sides[:, 0, 0]])
-        ridges = boundary.reshape(-1, 1)
+        edges = boundary.reshape(-1, 1)
     inward = points[found.inside] - points[boundary[:, 0]]
     outward = np.where(np.einsum("ni,ni->n", normal, inward) > 0, -1.0, 1.0)
     normal = normal * (outward / np.linalg.norm(normal, axis=1))[:, None]
     centre = points[boundary].mean(axis=1)
-    key = _keys(np.sort(ridges, axis=1), len(points))
+    key = _keys(np.sort(edges, axis=1), len(points))
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
-    per_facet = ridges.shape[0] // max(len(boundary), 1)
+    per_facet = edges.shape[0] // max(len(boundary), 1)
     first, second = order[same] // per_facet, order[same + 1] // per_facet
     turn = np.einsum("ni,ni->n", normal[first], normal[second])
     ahead = np.einsum("ni,ni->n", normal[first], centre[second] - centre[first])
-    is_sharp = (turn < np.cos(SHARP)) & (ahead > 0)
-    return np.unique(ridges[order[same][is_sharp]])
+    return edges[order[same]], np.asarray(turn), np.asarray(ahead)
+
+
+def sharp_nodes(points: Array, found: Facets) -> Index:
+    """Return the boundary nodes at which a sharp edge points into the flow.
+
+    There the velocity gradient of a viscous flow is singular (a lip, a step, an insert).
+    """
+    nodes, turn, ahead = ridges(points, found)
+    return np.unique(nodes[(turn < np.cos(SHARP)) & (ahead > 0)])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fibermelt.report.drawing import METAL_THICKNESS
-from fibermelt.report.lines import features
+from fibermelt.report.lines import evenly, features
 from fibermelt.report.scene import Scene, Window, read_scene
 from fibermelt.report.style import Array
 
@@ -51,9 +51,9 @@ def bead_data(results: xr.Dataset) -> str:
         something changes, and hold every fiber's lowest pressure.
     """
     scene = read_scene(results)
-    starts = _spread(results.sizes["initial_angle"], MOST_ANGLES)
+    starts = evenly(results.sizes["initial_angle"], MOST_ANGLES)
     marked = {feature.row: feature for feature in features(results)}
-    rows = sorted({*_spread(results.sizes["streamline"], MOST_LINES), *marked})
+    rows = sorted({*evenly(results.sizes["streamline"], MOST_LINES), *marked})
     colors = {feature.number: k for k, feature in enumerate(marked.values())}
     data = {
         "scene": _scene(scene),
@@ -64,11 +64,6 @@ def bead_data(results: xr.Dataset) -> str:
         "picked": _in_the_middle(results, rows, list(marked)),
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def _spread(count: int, most: int) -> list[int]:
-    """Return at most so many of the first integers, evenly spread, both ends among them."""
-    return [int(k) for k in np.unique(np.rint(np.linspace(0, count - 1, min(count, most))))]
 
 
 def _in_the_middle(results: xr.Dataset, rows: list[int], marked: list[int]) -> int:

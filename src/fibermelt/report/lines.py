@@ -23,6 +23,7 @@ __all__ = [
     "at_corners",
     "at_time",
     "center_feature",
+    "evenly",
     "features",
     "initial_angles",
     "named",
@@ -108,6 +109,11 @@ def at_corners(results: xr.Dataset, before: str, after: str) -> str:
     """Return what is told of the streamlines near a singular corner, nothing if there is none."""
     near = results["near_singularity"].to_numpy() > 0
     return f" {before} {numbered(results, near)}{after}" if near.any() else ""
+
+
+def evenly(count: int, most: int) -> list[int]:
+    """Return at most so many of the first integers, evenly spread, both ends among them."""
+    return [int(k) for k in np.unique(np.rint(np.linspace(0, count - 1, min(count, most))))]
 
 
 def rest(results: xr.Dataset) -> Iterator[int]:

@@ -14,17 +14,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from fibermelt.report.lines import features, initial_angles, regular
-from fibermelt.report.scene import MM, MPA
+from fibermelt.fields.simplices import facets, ridges
+from fibermelt.report.lines import evenly, features, initial_angles, regular
+from fibermelt.report.scene import MM, MPA, Index
 from fibermelt.report.spread import draw_spread, spread_key
 from fibermelt.report.style import (
     ATMOSPHERE,
     BAND,
     FULL,
     GREY,
-    HIGH,
     INK,
-    LOW,
     Array,
     Words,
     add_axes,
@@ -36,6 +35,7 @@ from fibermelt.report.style import (
     styled,
 )
 from fibermelt.report.tables import number, ranged, short
+from fibermelt.report.timeline import SIDES, draw_own, on_fibers, own
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,6 +55,9 @@ SPARSE = 200
 MOST_LINES = 200
 """Paths that are drawn: more hide one another."""
 
+SHARP = 0.8
+"""Cosine between two faces of a boundary below which their edge is drawn: 37 degrees."""
+
 PLANES = (("x", "y"), ("x", "z"), ("z", "y"))
 VIEWS = ("from its side", "from above", "along the x axis")
 """Projections of a flow in space."""
@@ -62,20 +65,14 @@ VIEWS = ("from its side", "from above", "along the x axis")
 
 def _lowest(results: xr.Dataset) -> Array:
     """Return the lowest pressure on a fiber in the worst orientation, above the air's [MPa]."""
-    lowest: Array = (
-        MPA
-        * (results["pressure"] + results["bound_lowest"])
-        .transpose("streamline", "point")
-        .to_numpy()
-    )
-    return lowest
+    rows = range(results.sizes["streamline"])
+    return np.stack([on_fibers(results, "bound_lowest", row) for row in rows])
 
 
 def _drawn_rows(results: xr.Dataset) -> list[int]:
     """Return which paths are drawn: evenly among all, the marked ones with them."""
-    count = results.sizes["streamline"]
-    even = np.rint(np.linspace(0, count - 1, min(count, MOST_LINES))).astype(int)
-    return sorted({*even.tolist(), *(feature.row for feature in features(results))})
+    even = evenly(results.sizes["streamline"], MOST_LINES)
+    return sorted({*even, *(feature.row for feature in features(results))})
 
 
 @styled
@@ -152,37 +149,15 @@ def _draw_boundary(axes: Axes, results: xr.Dataset, plane: tuple[str, str]) -> N
     axes.add_collection(lines)
 
 
-def _edges(results: xr.Dataset) -> Array | None:
-    """Return the edges (m, 2) of the field to draw: those of one triangle, or sharp ones."""
+def _edges(results: xr.Dataset) -> Index | None:
+    """Return the edges (m, 2) of the field to draw: a plane's boundary, or a body's sharp ones."""
     if "field_cells" not in results:
         return None
-    cells = results["field_cells"].to_numpy()
-    if cells.shape[1] == 3:
-        return _single(np.sort(cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1))
-    faces = np.sort(cells[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
-    outer = _single(faces)
-    points = results["field_points"].to_numpy()
-    normal = np.cross(
-        points[outer[:, 1]] - points[outer[:, 0]], points[outer[:, 2]] - points[outer[:, 0]]
-    )
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    pairs = outer[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2)
-    owner = np.repeat(np.arange(len(outer)), 3)
-    order = np.lexsort(pairs.T)
-    pairs, owner = pairs[order], owner[order]
-    same = np.flatnonzero((pairs[1:] == pairs[:-1]).all(axis=1))
-    bend = np.abs(np.einsum("ni,ni->n", normal[owner[same]], normal[owner[same + 1]]))
-    return np.asarray(pairs[same[bend < SHARP]])
-
-
-SHARP = 0.8
-"""Cosine between two faces of a boundary below which their edge is drawn: 37 degrees."""
-
-
-def _single(facets: Array) -> Array:
-    """Return the facets that stand once."""
-    found, count = np.unique(facets, axis=0, return_counts=True)
-    return np.asarray(found[count == 1])
+    outer = facets(results["field_cells"].to_numpy())
+    if outer.boundary.shape[1] == 2:
+        return outer.boundary
+    edges, turn, _ = ridges(results["field_points"].to_numpy(), outer)
+    return np.asarray(edges[turn < SHARP])
 
 
 def _ends(axes: Axes, results: xr.Dataset, lowest: Array, norm: Normalize) -> None:
@@ -238,17 +213,16 @@ def figure_path_histories(results: xr.Dataset) -> Figure:
     for k, feature in enumerate(marked):
         axes = add_axes(figure, 16, 12 + 52 * (len(marked) - 1 - k), 166, 38)
         time = results["time"].to_numpy()[feature.row]
-        own = MPA * results["pressure"].to_numpy()[feature.row]
-        for side, color in (("lowest", LOW), ("highest", HIGH)):
-            bound = own + MPA * results[f"bound_{side}"].to_numpy()[feature.row]
-            spread = own[:, None] + MPA * results[f"quantile_{side}"].to_numpy()[feature.row]
-            axes.fill_between(time, own, bound, color=color, alpha=0.12, linewidth=0)
+        melt = own(results, feature.row)
+        for side, (_, color) in SIDES.items():
+            bound = on_fibers(results, f"bound_{side}", feature.row)
+            spread = melt[:, None] + MPA * results[f"quantile_{side}"].to_numpy()[feature.row]
+            axes.fill_between(time, melt, bound, color=color, alpha=0.12, linewidth=0)
             axes.fill_between(
                 time, spread[:, 0], spread[:, -1], color=color, alpha=0.3, linewidth=0
             )
             axes.plot(time, bound, color=color, linewidth=0.5, linestyle=(0, (4, 2)))
-        axes.plot(time, own, color=INK, linewidth=1.3)
-        axes.axhline(0.0, color=INK, linewidth=0.5)
+        draw_own(axes, results, feature.row)
         axes.grid(axis="y", color=BAND, linewidth=0.4)
         axes.set_xlim(time[0], time[-1])
         axes.set_ylabel("pressure [MPa]")
