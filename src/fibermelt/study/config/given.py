@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -17,6 +18,9 @@ __all__ = ["GivenFile", "fingerprint", "refuse_changed"]
 
 BLOCK = 1 << 20
 """Bytes that are read at a time."""
+
+KEPT = 16
+"""States of files whose digests are kept at hand."""
 
 HEAD = 8192
 """Bytes by which a format is known."""
@@ -49,16 +53,26 @@ def fingerprint(file: str) -> str:
     """
     path = Path(file)
     try:
-        whole = hashlib.sha256()
-        for entry in _belonging(path):
-            whole.update(entry.name.encode() + b"\0")
-            with entry.open("rb") as stream:
-                while block := stream.read(BLOCK):
-                    whole.update(block)
+        found = ((entry.resolve(), entry.stat()) for entry in _belonging(path))
+        return _digest(tuple((entry, has.st_size, has.st_mtime_ns) for entry, has in found))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         msg = f"{legible_path(path)}: cannot be read: {reason}"
         raise ConfigError(msg) from error
+
+
+@lru_cache(maxsize=KEPT)
+def _digest(files: tuple[tuple[Path, int, int], ...]) -> str:
+    """Return the digest of files, each with its size and when it was written [ns].
+
+    Every case of a sweep asks for it anew.
+    """
+    whole = hashlib.sha256()
+    for entry, _, _ in files:
+        whole.update(entry.name.encode() + b"\0")
+        with entry.open("rb") as stream:
+            while block := stream.read(BLOCK):
+                whole.update(block)
     return whole.hexdigest()
 
 
