@@ -30,6 +30,9 @@ FIBERS = {
 }
 """What stands for the fibers, in words."""
 
+NOZZLE = "zone_time"
+"""What only the paths of a nozzle have."""
+
 SOURCES = {"field": "another solver’s field", "histories": "a table"}
 """Where paths come from that were not traced through a flow of ours."""
 
@@ -93,11 +96,11 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
     )
 
 
-def _width(results: xr.Dataset) -> float:
-    """Return the capillary's width [m], negative where there is none: the extent of the paths."""
-    if "zone_time" in results:
-        return float(parameters(results)["flow.capillary_width"])
-    return -max(float(np.ptp(results[name].to_numpy())) for name in "xy")
+def _size(results: xr.Dataset) -> float:
+    """Return what places are told by [mm]: the capillary's width, or the extent of the paths."""
+    if NOZZLE in results:
+        return MM * float(parameters(results)["flow.capillary_width"])
+    return MM * max(float(np.ptp(results[name].to_numpy())) for name in "xy")
 
 
 def _viscosity(values: Mapping[str, Any]) -> str:
@@ -116,7 +119,7 @@ def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, s
             return [("What to do?", advice(found))]
         return [
             ("Can it void?", _risk(found)),
-            ("Where?", _where(found, worst, _width(results))),
+            ("Where?", _where(found, worst, results)),
             ("What to do?", advice(found)),
         ]
     if "bound_lowest" in results:
@@ -179,32 +182,31 @@ def _risk(found: Mapping[str, Any]) -> str:
     )
 
 
-def _place(x: float, y: float, width: float, z: float | None = None) -> str:
-    """Return a place in words [m]; the capillary's width tells with how many digits."""
-    if width < 0.0:
+def _place(results: xr.Dataset, x: float, y: float, z: float | None = None) -> str:
+    """Return a place [m] in words."""
+    size = _size(results)
+    if NOZZLE not in results:
         told = (
-            f"{name} = {sized(MM * value, -MM * width)} mm"
+            f"{name} = {sized(MM * value, size)} mm"
             for name, value in zip("xyz", (x, y, z), strict=True)
             if value is not None
         )
         return f"at {', '.join(told)}"
     side = "downstream" if x >= 0 else "upstream"
     return (
-        f"{sized(MM * abs(x), MM * width)} mm {side} of the nozzle’s axis and "
-        f"{sized(MM * y, MM * width)} mm above the bed"
+        f"{sized(MM * abs(x), size)} mm {side} of the nozzle’s axis and "
+        f"{sized(MM * y, size)} mm above the bed"
     )
 
 
-def _where(found: Mapping[str, Any], worst: Mapping[str, Any], width: float) -> str:
-    if width < 0.0:
-        return (
-            f"The lowest pressure is met "
-            f"{_place(worst['x'], worst['y'], width, worst.get('z'))}, on path "
-            f"{worst['index']}."
-        )
+def _where(found: Mapping[str, Any], worst: Mapping[str, Any], results: xr.Dataset) -> str:
+    place = _place(results, worst["x"], worst["y"], worst.get("z"))
+    if NOZZLE not in results:
+        return f"The lowest pressure is met {place}, on path {worst['index']}."
+    size = _size(results)
     told = (
-        f"The lowest pressure is met {_place(worst['x'], worst['y'], width)}, on streamline "
-        f"{worst['index']}, which ends {sized(MM * worst['height'], MM * width)} mm up in the bead"
+        f"The lowest pressure is met {place}, on streamline "
+        f"{worst['index']}, which ends {sized(MM * worst['height'], size)} mm up in the bead"
     )
     layers = [layer for layer in found["profile"] if layer["fiber_pressure"] is not None]
     if len(layers) < 2:
@@ -216,8 +218,8 @@ def _where(found: Mapping[str, Any], worst: Mapping[str, Any], width: float) -> 
         return f"{told}."
     return (
         f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
-        f"{sized(MM * low['height'], MM * width)} mm and highest "
-        f"{sized(MM * high['height'], MM * width)} mm above the bed."
+        f"{sized(MM * low['height'], size)} mm and highest "
+        f"{sized(MM * high['height'], size)} mm above the bed."
     )
 
 
@@ -232,7 +234,7 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
     lowest = float(local[row, point])
     at = lines.isel(streamline=int(row), point=int(point))
     below = "below" if lowest < 0 else "above"
-    z = float(at["z"]) if "z" in at else None
+    place = _place(results, *(float(at[name]) for name in "xyz" if name in at))
     return [
         (
             "Can it void?",
@@ -241,8 +243,7 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
         ),
         (
             "Where?",
-            f"It is met {_place(float(at['x']), float(at['y']), _width(results), z)}, on "
-            f"streamline {int(at['streamline'])}.",
+            f"It is met {place}, on streamline {int(at['streamline'])}.",
         ),
         ("What to do?", 'Add "voids" to study.parts: it tells at what moisture a bubble can grow.'),
     ]
