@@ -49,6 +49,7 @@ from fibermelt.fiber.symmetric import (
     blocks,
     components,
     extreme_eigenpairs,
+    strain_ends,
     vector,
 )
 
@@ -297,8 +298,7 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradients [1/s].
         """
-        L = checked_gradient(gradient, 3)
-        low, high, _, _ = extreme_eigenpairs(components(L))
+        low, high = strain_ends(checked_gradient(gradient, 3))
         return -self._worst(-high, -low), self._worst(low, high)
 
     def _worst(self, low: Array, high: Array) -> Array:
@@ -321,8 +321,7 @@ class EllipsoidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradients [1/s].
         """
-        L = checked_gradient(gradient, 3)
-        low, high, _, _ = extreme_eigenpairs(components(L))
+        low, high = strain_ends(checked_gradient(gradient, 3))
         half, middle = 0.5 * (high - low), 0.5 * (high + low)
         kind = middle / np.where(half > 0.0, half, 1.0)
         kinds, values = self._mildest

@@ -35,6 +35,7 @@ from fibermelt.fiber.symmetric import (
     blocks,
     components,
     extreme_eigenpairs,
+    strain_ends,
     vector,
 )
 
@@ -195,8 +196,7 @@ class SpheroidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradients [1/s].
         """
-        L = checked_gradient(gradient, 3)
-        low, high, _, _ = extreme_eigenpairs(components(L))
+        low, high = strain_ends(checked_gradient(gradient, 3))
         constants = (self.axial, self.transverse, self.offset)
         return -orientation_bound(constants, -high, -low), orientation_bound(constants, low, high)
 
@@ -211,8 +211,7 @@ class SpheroidResponse:
         gradient : (..., 3, 3) array_like
             Velocity gradients [1/s].
         """
-        L = checked_gradient(gradient, 3)
-        low, high, _, _ = extreme_eigenpairs(components(L))
+        low, high = strain_ends(checked_gradient(gradient, 3))
         constants = (self.axial, self.shear, self.transverse, self.offset)
         return -mildest_pressure(constants, -high, -low), mildest_pressure(constants, low, high)
 

@@ -17,7 +17,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Components", "Vector", "blocks", "components", "extreme_eigenpairs", "vector"]
+__all__ = [
+    "Components",
+    "Vector",
+    "blocks",
+    "components",
+    "extreme_eigenpairs",
+    "strain_ends",
+    "vector",
+]
 
 Array = NDArray[np.float64]
 
@@ -53,6 +61,12 @@ def components(matrix: Array) -> Components:
 def vector(v: Array) -> Vector:
     """Return the components of vectors (..., 3)."""
     return np.asarray(v[..., 0]), np.asarray(v[..., 1]), np.asarray(v[..., 2])
+
+
+def strain_ends(gradient: Array) -> tuple[Array, Array]:
+    """Return lowest and highest rate of stretching [1/s] of velocity gradients (..., 3, 3)."""
+    low, high, _, _ = extreme_eigenpairs(components(gradient))
+    return low, high
 
 
 def extreme_eigenpairs(matrix: Components) -> tuple[Array, Array, Vector, Vector]:

@@ -183,7 +183,7 @@ def _value(item: Declaration, value: object) -> str:
 def _one(item: Declaration, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
-    unit = _unit(item)
+    unit = item.written_unit
     if str(item.written).endswith("%"):
         return f"{short(100 * value, DIGITS)}\N{NO-BREAK SPACE}%"
     if not unit:
@@ -192,10 +192,3 @@ def _one(item: Declaration, value: object) -> str:
     zero = parse(f"0 {unit}", item.unit)
     shown = short((value - zero) / (parse(f"1 {unit}", item.unit) - zero), DIGITS)
     return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
-
-
-def _unit(item: Declaration) -> str:
-    """Return the unit that the default is written in; the SI unit where it has none."""
-    written = (item.written or [None])[0] if isinstance(item.written, list) else item.written
-    written = item.example if written is None else written
-    return str(written).partition(" ")[2] or item.unit if item.unit else ""

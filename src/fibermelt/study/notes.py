@@ -9,11 +9,12 @@ from fibermelt.study.melt import melt_notes
 if TYPE_CHECKING:
     from fibermelt.study.config import Config
 
-__all__ = ["study_notes"]
+__all__ = ["LONGEST_FIBER", "study_notes"]
 
 LONGEST_FIBER = 0.1
-"""Length of a fiber over that of the flow around it: a fiber is followed as if the gradient were
-the same all along it, which errs by the square of this."""
+"""Length of a fiber over that of the flow around it, or over that on which the gradient changes: a
+fiber is followed as if the gradient were the same all along it, which errs by the square of this.
+"""
 
 
 def study_notes(config: Config) -> list[str]:

@@ -223,6 +223,13 @@ class Declaration:
     is_list: bool
 
     @property
+    def written_unit(self) -> str:
+        """Return the unit that the default is written in, or its example; the SI unit else."""
+        written = (self.written or [None])[0] if isinstance(self.written, list) else self.written
+        text = str(self.example if written is None else written)
+        return text.partition(" ")[2] or self.unit if self.unit else ""
+
+    @property
     def range(self) -> str:
         """Return the admissible range in words: ``above 0 m`` or ``"mean" or "far-node"``."""
         each = "each " if self.is_list else ""

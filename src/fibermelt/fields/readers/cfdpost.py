@@ -8,6 +8,7 @@ planar flow has; without them the points are joined anew.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError, legible, legible_path
 from fibermelt.fields.contents import Contents, Reader
-from fibermelt.fields.readers.tables import numbers, refuse_short, split_unit, text_of
+from fibermelt.fields.readers.tables import headed, numbers, refuse_short, split_unit, text_of
 from fibermelt.fields.splitting import split_polygons
 
 __all__ = ["READER"]
@@ -63,19 +64,11 @@ def _read(path: Path, time_step: float | None) -> Contents:
     table = np.concatenate(tables)
     names = [name for name, _ in headings]
     units = {name: unit for name, unit in headings if unit}
-    axes = [name for name in ("X", "Y", "Z") if name in names]
-    if len(axes) < 2:
-        msg = f"field.file = {legible_path(path)}: has no columns X, Y: export the geometry as well"
-        raise ConfigError(msg)
-    return Contents(
-        format=FORMAT,
-        points=table[:, [names.index(axis) for axis in axes]],
-        arrays={name: table[:, k] for k, name in enumerate(names) if name not in axes},
+    missing = f"field.file = {legible_path(path)}: has no columns X, Y: export the geometry as well"
+    return replace(
+        headed(table, names, units, FORMAT, missing),
         cells=split_polygons(polygons) if polygons else None,
         file_cells=faces,
-        units={name: unit for name, unit in units.items() if name not in axes},
-        length_unit=units.get("X", ""),
-        names_units=True,
     )
 
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
-from fibermelt.errors import ConfigError, legible_path
+from fibermelt.errors import legible_path
 from fibermelt.fields.contents import Contents, Reader
-from fibermelt.fields.readers.tables import numbers, split_unit, text_of, unique_names
+from fibermelt.fields.readers.tables import headed, numbers, split_unit, text_of, unique_names
 
 __all__ = ["READER"]
 
@@ -39,17 +40,9 @@ def _read(path: Path, time_step: float | None) -> Contents:
         name: SPELLED.get(unit, unit) for name, (_, unit) in zip(names, parts, strict=True) if unit
     }
     table = numbers(path, lines[1:], len(names), 2)
-    axes = [name for name in ("X", "Y", "Z") if name in names]
-    if len(axes) < 2:
-        msg = f'field.file = {legible_path(path)}: has no column "Y (m)": add the coordinates'
-        raise ConfigError(msg)
-    return Contents(
-        format=FORMAT,
-        points=table[:, [names.index(axis) for axis in axes]],
-        arrays={name: table[:, k] for k, name in enumerate(names) if name not in axes},
-        units={name: unit for name, unit in units.items() if name not in axes},
-        length_unit=units.get("X", ""),
-        names_units=True,
+    missing = f'field.file = {legible_path(path)}: has no column "Y (m)": add the coordinates'
+    return replace(
+        headed(table, names, units, FORMAT, missing),
         notes=("values stand at the centres of cells: what lies beyond the outermost is left out",),
     )
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.errors import ConfigError, legible, legible_path
+from fibermelt.fields.contents import Contents
 
-__all__ = ["numbers", "refuse_short", "split_unit", "text_of", "unique_names"]
+__all__ = ["headed", "numbers", "refuse_short", "split_unit", "text_of", "unique_names"]
 
 Array = NDArray[np.float64]
 
@@ -110,6 +111,42 @@ def split_unit(heading: str) -> tuple[str, str]:
     if match is None or not match.group(1):
         return heading.strip(), ""
     return match.group(1), (match.group(2) or match.group(3) or "").strip()
+
+
+def headed(
+    table: Array, names: Sequence[str], units: Mapping[str, str], whose: str, missing: str
+) -> Contents:
+    """Return a table whose columns X, Y and, in space, Z hold the places.
+
+    Parameters
+    ----------
+    table : (n, columns) array
+        Its lines.
+    names : sequence of str
+        Of the columns.
+    units : mapping
+        Of those that have one.
+    whose : str
+        Whose file it is.
+    missing : str
+        What to say where there are no places.
+
+    Raises
+    ------
+    ConfigError
+        If there are no columns X and Y.
+    """
+    axes = [name for name in ("X", "Y", "Z") if name in names]
+    if len(axes) < 2:
+        raise ConfigError(missing)
+    return Contents(
+        format=whose,
+        points=table[:, [names.index(axis) for axis in axes]],
+        arrays={name: table[:, k] for k, name in enumerate(names) if name not in axes},
+        units={name: unit for name, unit in units.items() if name not in axes},
+        length_unit=units.get("X", ""),
+        names_units=True,
+    )
 
 
 def unique_names(names: Sequence[str]) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.numerals import rounded
+from fibermelt.study.notes import LONGEST_FIBER
 from fibermelt.study.variables import or_none, study_of
 
 if TYPE_CHECKING:
@@ -39,9 +40,6 @@ ENDS = {
 
 MOST_NOTES = 4
 """Faults of paths that the words tell: more are in the summary."""
-
-LONGEST_FIBER = 0.1
-"""Length of a fiber over that on which the gradient changes, as in `fibermelt.study.notes`."""
 
 MOST_NAMED = 12
 """Streamlines that the words list by their numbers: more do not fit on a line."""

@@ -259,8 +259,7 @@ def written_in(about: Declaration) -> Scale:
     """
     if not about.unit:
         return Scale("")
-    written = (about.written or [None])[0] if isinstance(about.written, list) else about.written
-    unit = str(about.example if written is None else written).partition(" ")[2] or about.unit
+    unit = about.written_unit
     # Degrees Celsius have a zero of their own.
     zero, one = (parse(f"{count} {unit}", about.unit) for count in (0, 1))
     return Scale({"deg": "°", "degC": "°C"}.get(unit, unit), one - zero, zero)
