@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.parts import Chain, Part
+from fibermelt.engine.stages import Neighbour, Parameters, Stage
 from fibermelt.errors import ConvergenceError, FibermeltError
-from fibermelt.study.loading import load_study
-from fibermelt.study.parts import Chain, Part
-from fibermelt.study.stages import Neighbour, Parameters, Stage
-from fibermelt.study.sweep.collect import collect_sweep
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.runner import run_sweep
+from fibermelt.sweeps.collect import collect_sweep
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.runner import run_sweep
 
 SWEPT = """preset = "paper"
 study.parts = ["bead"]

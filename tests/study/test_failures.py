@@ -11,8 +11,8 @@ from pathlib import Path
 import fakes
 import pytest
 
+from fibermelt.engine import files
 from fibermelt.errors import ConvergenceError, DamagedError, StoreError
-from fibermelt.study import files
 
 
 def tree(folder):

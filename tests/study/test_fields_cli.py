@@ -13,7 +13,7 @@ from exact_flows import PIPE, SLIT
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.config.field import ImportedField
+from fibermelt.parts.flow.field_table import ImportedField
 
 
 def fields(*arguments: str):

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.questions.orbit import read_quantity
+from fibermelt.questions.orbit import read_quantity
 
 KEYS = [
     "model",

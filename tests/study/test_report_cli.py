@@ -12,9 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.engine.files import digest, read_sealed, write_sealed
+from fibermelt.engine.outputs import is_published
 from fibermelt.errors import DamagedError
-from fibermelt.study.files import digest, read_sealed, write_sealed
-from fibermelt.study.outputs import is_published
 
 # The made-up results are the unit tests' own; nothing but this file needs them here.
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))

@@ -68,7 +68,7 @@ def test_killed_while_publishing(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("fibermelt.study.outputs.write_sealed", die)
+        patch.setattr("fibermelt.engine.outputs.write_sealed", die)
         # Both stages are there: the only sealed file left to write is the list of outputs.
         fakes_run_interrupted(tmp_path / "out")
     assert fakes.run(tmp_path / "out").reused() == ["flow", "cell", "motion"]

@@ -13,7 +13,7 @@ from coarse_runs import COARSE, fibermelt
 from dialects import Sample, fluent, sectionwise
 from exact_flows import Mesh
 
-from fibermelt.report.scene import read_scene
+from fibermelt.report.kit.scene import read_scene
 
 WITHIN = 0.04
 """Part of an extreme by which it may differ away from singular corners: 0.024 on the coarse mesh,

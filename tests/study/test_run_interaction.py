@@ -9,7 +9,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.report.interaction import INTERACTION_FIGURES
+from fibermelt.parts.interaction.figures import INTERACTION_FIGURES
 
 KEYS = [
     "interaction",

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from coarse_runs import COARSE, fibermelt
 
-from fibermelt.study.store import Store
+from fibermelt.engine.store import Store
 
 SPEEDS = ("-s", "flow.inlet_speed=12 mm/s", "-s", "flow.bed_speed=50.8 mm/s")
 THINNER = ("-s", "melt.viscosity=400 Pa s", *SPEEDS)

@@ -7,10 +7,10 @@ import fakes
 import pytest
 import xarray as xr
 
-from fibermelt.study.loading import load_study, resolve
-from fibermelt.study.parameters import flatten
-from fibermelt.study.runner import run_study
-from fibermelt.study.stages import keys
+from fibermelt.engine.loading import load_study, resolve
+from fibermelt.engine.parameters import flatten
+from fibermelt.engine.runner import run_study
+from fibermelt.engine.stages import keys
 
 
 def contents(folder):

@@ -15,9 +15,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.engine.parts import Part
+from fibermelt.engine.stages import Stage
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.parts import Part
-from fibermelt.study.stages import Stage
 
 SMALL = """preset = "paper"
 study.parts = ["bead"]
@@ -232,8 +232,8 @@ def test_clean_takes_what_no_case_needs(tmp_path):
 
 
 def test_clean_keeps_the_run_on_show(tmp_path, monkeypatch):
-    monkeypatch.setattr("fibermelt.report.lazily.draw", lambda results, folder: [])
-    monkeypatch.setattr("fibermelt.report.lazily.render", lambda *of_the_run: b"<html/>")
+    monkeypatch.setattr("fibermelt.report.page.lazily.draw", lambda results, folder: [])
+    monkeypatch.setattr("fibermelt.report.page.lazily.render", lambda *of_the_run: b"<html/>")
     _, out, _ = swept(tmp_path)
     shown = fibermelt("run", "paper", "--out", out, "-s", "flow.gap=3.7 mm")
     assert shown.exit_code == 0, shown.stderr
@@ -278,7 +278,7 @@ def test_a_scheduler_is_never_taken_from_the_results(tmp_path):
 
 def test_help_does_not_load_the_cluster():
     script = (
-        "import sys, fibermelt.cli, fibermelt.study.sweep.runner\n"
+        "import sys, fibermelt.cli, fibermelt.sweeps.runner\n"
         "sys.exit(str([m for m in ('distributed', 'xarray') if m in sys.modules]))"
     )
     done = subprocess.run(

@@ -23,11 +23,11 @@ from sweeping import gate, is_alive, lines, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
+from fibermelt.engine.files import canonical, digest
 from fibermelt.errors import StoreError
-from fibermelt.study.files import canonical, digest
-from fibermelt.study.sweep.progress import read_progress
-from fibermelt.study.sweep.status import sweep_status
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.sweeps.progress import read_progress
+from fibermelt.sweeps.status import sweep_status
+from fibermelt.sweeps.store import CaseStore
 
 TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
 """Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""

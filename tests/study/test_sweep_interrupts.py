@@ -19,7 +19,7 @@ from sweeping import PIPES, is_alive, process, wait_for, workers_of
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.sweep.pools import open_pool
+from fibermelt.sweeps.pools import open_pool
 
 COMMAND = """import fake_sweeps, fibermelt.study.chain
 fibermelt.study.chain.CHAIN = fake_sweeps.CHAIN
@@ -84,12 +84,12 @@ main()
 PRESSED = [
     # while the command line is loaded, and while a command loads what it needs
     ("typer", "pass"),
-    ("fibermelt.study.sweep.runner", "pass"),
+    ("fibermelt.sweeps.runner", "pass"),
     # Python would end by the signal after this, though it is caught
-    ("fibermelt.study.sweep.runner", "eval('os.kill(os.getpid(), signal.SIGINT)')"),
+    ("fibermelt.sweeps.runner", "eval('os.kill(os.getpid(), signal.SIGINT)')"),
     # once more, in the last that Python does
     (
-        "fibermelt.study.sweep.runner",
+        "fibermelt.sweeps.runner",
         "__import__('atexit').register(os.kill, os.getpid(), signal.SIGINT)",
     ),
 ]
@@ -115,7 +115,7 @@ def test_control_c_before_anything_is_written_says_so(tmp_path, monkeypatch):
     def interrupted(*arguments, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fibermelt.study.sweep.runner.plan_sweep", interrupted)
+    monkeypatch.setattr("fibermelt.sweeps.runner.plan_sweep", interrupted)
     arguments = ["sweep", fake_sweeps.study_file(tmp_path), "--out", tmp_path / "out"]
     told = CliRunner().invoke(app, [*map(str, arguments)])
     assert told.exit_code == SHELL_INTERRUPTED

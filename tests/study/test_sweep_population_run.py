@@ -9,13 +9,13 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.parts import Chain, Part
-from fibermelt.study.stages import Stage
-from fibermelt.study.sweep.collect import collect_sweep
-from fibermelt.study.sweep.distributions import Truncated, Weibull
-from fibermelt.study.sweep.quantiles import LEVELS, quantiles
-from fibermelt.study.sweep.record import restored
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.engine.parts import Chain, Part
+from fibermelt.engine.stages import Stage
+from fibermelt.sweeps.collect import collect_sweep
+from fibermelt.sweeps.distributions import Truncated, Weibull
+from fibermelt.sweeps.quantiles import LEVELS, quantiles
+from fibermelt.sweeps.record import restored
+from fibermelt.sweeps.store import CaseStore
 
 SAMPLES, RATE = 64, 2.0
 SWEPT = f"""preset = "paper"

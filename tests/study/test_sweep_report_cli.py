@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.loading import load_study
-from fibermelt.study.sweep.design import read_sweep
+from fibermelt.engine.loading import load_study
+from fibermelt.sweeps.design import read_sweep
 
 FAKE = """preset = "paper"
 study.parts = ["bead"]

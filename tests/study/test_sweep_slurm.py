@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from distributed import LocalCluster
 
-from fibermelt.study.sweep.worker import single_threaded
+from fibermelt.sweeps.worker import single_threaded
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "sweep_on_slurm.py"
 

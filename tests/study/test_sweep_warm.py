@@ -10,18 +10,18 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.bead.flow import flow_from, flow_stage
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.stages import Neighbour, Parameters, stage_parameters
+from fibermelt.engine.store import Store
+from fibermelt.parts.flow.stages import flow_from, flow_stage
+from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study
-from fibermelt.study.melt import values_of
-from fibermelt.study.stages import Neighbour, Parameters, stage_parameters
-from fibermelt.study.store import Store
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
-from fibermelt.study.sweep.record import restored
-from fibermelt.study.sweep.runner import run_sweep
-from fibermelt.study.sweep.status import sweep_status
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
+from fibermelt.sweeps.record import restored
+from fibermelt.sweeps.runner import run_sweep
+from fibermelt.sweeps.status import sweep_status
+from fibermelt.sweeps.store import CaseStore
 
 GAPS = (3.0, 3.9, 5.0, 6.4)
 """Each within reach of the next only: the second is the root, and one way has two steps [mm]."""

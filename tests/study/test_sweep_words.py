@@ -8,15 +8,15 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.study.files import read_sealed, write_sealed
-from fibermelt.study.loading import load_study
-from fibermelt.study.store import Store
-from fibermelt.study.sweep.cost import estimate
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
-from fibermelt.study.sweep.progress import Progress, read_progress, write_progress
-from fibermelt.study.sweep.status import sweep_status
-from fibermelt.study.sweep.store import CaseStore
+from fibermelt.engine.files import read_sealed, write_sealed
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.store import Store
+from fibermelt.sweeps.cost import estimate
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
+from fibermelt.sweeps.progress import Progress, read_progress, write_progress
+from fibermelt.sweeps.status import sweep_status
+from fibermelt.sweeps.store import CaseStore
 
 GRID = """preset = "paper"
 study.parts = ["bead"]
@@ -105,7 +105,7 @@ def test_the_results_folder_has_the_name_of_the_study(tmp_path, monkeypatch):
 
 
 def test_a_sweep_tells_how_far_its_stages_are(tmp_path, monkeypatch):
-    monkeypatch.setattr("fibermelt.study.sweep.runner.TELL", 0.0)
+    monkeypatch.setattr("fibermelt.sweeps.runner.TELL", 0.0)
     told = []
     monkeypatch.setattr(fake_sweeps.Notes, "tick", lambda self, *line: told.append(line))
     fake_sweeps.sweep(fake_sweeps.study_file(tmp_path, CHAINED), tmp_path / "out")

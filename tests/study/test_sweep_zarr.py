@@ -74,7 +74,7 @@ def test_a_folder_that_is_no_zarr_stays(out, tmp_path):
 def test_without_zarr_the_way_out_is_told(out, monkeypatch):
     real = importlib.util.find_spec
     monkeypatch.setattr(
-        "fibermelt.study.sweep.collect.find_spec",
+        "fibermelt.sweeps.collect.find_spec",
         lambda name: None if name == "zarr" else real(name),
     )
     done = collect(out, "--zarr")

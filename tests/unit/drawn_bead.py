@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fibermelt.engine.toml import as_toml
 from fibermelt.flow.lagrange import LagrangeTriangle
-from fibermelt.study.materials import load_card
-from fibermelt.study.toml import as_toml
-from fibermelt.study.variables import labelled
-from fibermelt.study.voids.melt import moist_melt
-from fibermelt.study.voids.stages import assess_bead
+from fibermelt.parts.melt.cards import load_card
+from fibermelt.parts.variables import labelled
+from fibermelt.parts.voids.melt import moist_melt
+from fibermelt.parts.voids.stages import assess_bead
 
 Array = NDArray[np.float64]
 

@@ -10,16 +10,16 @@ import numpy as np
 import xarray as xr
 from drawn_bead import ASPECT, made_up
 
-from fibermelt.report.figures import draw_figures
-from fibermelt.study.bead.summary import summarize_bead
+from fibermelt.engine.files import write_through
+from fibermelt.engine.netcdf import to_bytes
+from fibermelt.engine.outputs import publish
+from fibermelt.engine.schema import SCHEMA
+from fibermelt.engine.store import Store
+from fibermelt.engine.toml import resolved_toml
+from fibermelt.parts.bead.summary import summarize_bead
+from fibermelt.parts.variables import labelled
+from fibermelt.report.page.figures import draw_figures
 from fibermelt.study.config import Config
-from fibermelt.study.files import write_through
-from fibermelt.study.netcdf import to_bytes
-from fibermelt.study.outputs import publish
-from fibermelt.study.schema import SCHEMA
-from fibermelt.study.store import Store
-from fibermelt.study.toml import resolved_toml
-from fibermelt.study.variables import labelled
 
 CLAIMS = [
     {

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.engine.stages import Parameters
 from fibermelt.fiber.shape import jeffery_factor
-from fibermelt.study.orientation.interaction import interaction_stage
-from fibermelt.study.orientation.stages import content_stage, orientation_stage
-from fibermelt.study.stages import Parameters
-from fibermelt.study.variables import labelled
+from fibermelt.parts.interaction.stages import interaction_stage
+from fibermelt.parts.orientation.stages import content_stage, orientation_stage
+from fibermelt.parts.variables import labelled
 
 PARAMETERS: dict[str, Any] = {
     "fiber.aspect_ratio": 6.0,

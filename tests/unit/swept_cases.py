@@ -5,11 +5,11 @@ import json
 import numpy as np
 import xarray as xr
 
-from fibermelt.study.claims.judge import claims
-from fibermelt.study.loading import load_study
-from fibermelt.study.sweep.cost import Computed, Progress, StageCost
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.toml import resolved_toml
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.toml import resolved_toml
+from fibermelt.paper.claims.judge import claims
+from fibermelt.sweeps.cost import Computed, Progress, StageCost
+from fibermelt.sweeps.design import read_sweep
 
 GAP, SPEED, VISCOSITY = "flow.gap", "flow.bed_speed", "melt.viscosity"
 

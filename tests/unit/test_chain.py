@@ -5,29 +5,29 @@ from typing import get_args
 
 import pytest
 
+from fibermelt.engine.files import canonical, digest
+from fibermelt.engine.loading import load_study, preset_names, resolve
+from fibermelt.engine.netcdf import from_bytes, to_bytes
+from fibermelt.engine.stages import keys, stage_parameters
+from fibermelt.engine.toml import defaults_toml
 from fibermelt.errors import StoreError
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
-from fibermelt.study.bead.fiber import PRESSURE_REFERENCE
-from fibermelt.study.bead.flow import FLOW_NUMERICS
-from fibermelt.study.bead.variables import BEAD_VARIABLES
+from fibermelt.paper.claims.judge import claims
+from fibermelt.paper.claims.printed import printed_periods
+from fibermelt.paper.claims.variables import CLAIM_VARIABLES
+from fibermelt.paper.orbits.variables import SENSITIVITY_VARIABLES
+from fibermelt.parts.bead.stages import PRESSURE_REFERENCE
+from fibermelt.parts.bead.variables import BEAD_VARIABLES
+from fibermelt.parts.flow.stages import FLOW_NUMERICS
+from fibermelt.parts.melt.melt import values_of
+from fibermelt.parts.orientation.variables import ORIENTATION_VARIABLES
+from fibermelt.parts.thinning.variables import EFFECT_VARIABLES
+from fibermelt.parts.variables import VARIABLES, labelled
+from fibermelt.parts.verification.variables import VERIFICATION_VARIABLES
+from fibermelt.parts.voids.variables import VOID_VARIABLES
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims.judge import claims
-from fibermelt.study.claims.printed import printed_periods
-from fibermelt.study.claims.variables import CLAIM_VARIABLES
 from fibermelt.study.config import PartName
-from fibermelt.study.files import canonical, digest
-from fibermelt.study.loading import load_study, preset_names, resolve
-from fibermelt.study.melt import values_of
-from fibermelt.study.netcdf import from_bytes, to_bytes
-from fibermelt.study.orientation.variables import ORIENTATION_VARIABLES
-from fibermelt.study.sensitivity.variables import SENSITIVITY_VARIABLES
-from fibermelt.study.stages import keys, stage_parameters
-from fibermelt.study.thinning.variables import EFFECT_VARIABLES
-from fibermelt.study.toml import defaults_toml
-from fibermelt.study.variables import VARIABLES, labelled
-from fibermelt.study.verification.variables import VERIFICATION_VARIABLES
-from fibermelt.study.voids.variables import VOID_VARIABLES
 from fibermelt.units import parse
 
 TABLES = (

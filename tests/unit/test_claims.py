@@ -9,15 +9,15 @@ import pytest
 import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.parameters import flatten
+from fibermelt.engine.stages import Parameters
+from fibermelt.engine.toml import resolved_toml
+from fibermelt.paper.claims.judge import QUANTITIES, Claim, Judgement, claims, measured
+from fibermelt.paper.claims.judge import judge as judged
+from fibermelt.paper.claims.stages import STAGES_OF, claims_stage, fed_by_parts
+from fibermelt.paper.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims.judge import QUANTITIES, Claim, Judgement, claims, measured
-from fibermelt.study.claims.judge import judge as judged
-from fibermelt.study.claims.stage import STAGES_OF, claims_stage, fed_by_parts
-from fibermelt.study.claims.summary import claims_in_words, summarize_claims
-from fibermelt.study.loading import load_study
-from fibermelt.study.parameters import flatten
-from fibermelt.study.stages import Parameters
-from fibermelt.study.toml import resolved_toml
 
 EVERY = {claim.id: claim for claim in claims()}
 

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fibermelt.engine.loading import load_study, preset_names, replaces_another, resolve
+from fibermelt.engine.parameters import declarations, flatten, quantity
+from fibermelt.engine.toml import defaults_toml, resolved_toml, toml_value
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
-from fibermelt.study.loading import load_study, preset_names, replaces_another, resolve
-from fibermelt.study.parameters import declarations, flatten, quantity
-from fibermelt.study.toml import defaults_toml, resolved_toml, toml_value
 
 PAPER = load_study("paper").config
 AS_BY_DEFAULT = PAPER.model_copy(

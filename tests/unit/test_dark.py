@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from fibermelt.report.dark import (
+from fibermelt.report.kit.dark import (
     DARK_GROUND,
     DARK_INK,
     _hexed,
@@ -17,8 +17,8 @@ from fibermelt.report.dark import (
     darkened,
     in_both_schemes,
 )
-from fibermelt.report.style import BLUE, GREEN, INK, LOW, VERMILION
-from fibermelt.report.templates import page_file
+from fibermelt.report.kit.style import BLUE, GREEN, INK, LOW, VERMILION
+from fibermelt.report.kit.templates import page_file
 
 
 def test_paper_and_ink_are_those_of_the_page_in_the_dark() -> None:

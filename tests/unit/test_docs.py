@@ -22,13 +22,13 @@ from test_fields_field import exact_field
 
 import fibermelt
 from fibermelt.cli import app
-from fibermelt.report.sources import read_sources
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.parameters import declarations
+from fibermelt.parts.melt.cards import load_card
+from fibermelt.parts.voids.melt import moist_melt
+from fibermelt.report.page.sources import read_sources
 from fibermelt.study.config import Config
-from fibermelt.study.loading import load_study
-from fibermelt.study.materials import load_card
-from fibermelt.study.parameters import declarations
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.voids.melt import moist_melt
+from fibermelt.sweeps.design import read_sweep
 
 ROOT = Path(__file__).parents[2]
 BUILT = ("docs/_build", "docs/gallery", ".venv", "results")

@@ -16,9 +16,9 @@ import pytest
 import xarray as xr
 from stored_bead import store, stored_results
 
+from fibermelt.engine.files import read_sealed
 from fibermelt.errors import StoreError
-from fibermelt.study.export import CONTENTS, LINES, export_run, streamlines_vtp, tables
-from fibermelt.study.files import read_sealed
+from fibermelt.report.export import CONTENTS, LINES, export_run, streamlines_vtp, tables
 
 KINDS = {"Float64": "<f8", "Int64": "<i8", "Int8": "<i1", "UInt8": "<u1"}
 
@@ -230,7 +230,7 @@ def test_one_that_cannot_be_written_leaves_the_old_one(
     def full(path: Path, data: bytes) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("fibermelt.study.export.write_through", full)
+    monkeypatch.setattr("fibermelt.report.export.write_through", full)
     with pytest.raises(StoreError, match="no space left on device; free some space"):
         export_run(folder, to)
     assert {path: path.read_bytes() for path in to.iterdir()} == before

@@ -14,25 +14,25 @@ from matplotlib.figure import Figure
 from fibermelt.fiber.models import unbounded_model
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.surroundings import surroundings
-from fibermelt.report.alignment import (
+from fibermelt.parts.bead.figures.alignment import (
     STARTS,
     alignment_words,
     figure_alignment,
     isotropic_angles,
     within_quarter_turn,
 )
-from fibermelt.report.cell import cell_words
-from fibermelt.report.extremes import EXTREMES, extremes_words, figure_extremes
-from fibermelt.report.history import figure_history, history_words
-from fibermelt.report.lines import features, regular
-from fibermelt.report.positions import figure_positions, positions_words, worst_places
-from fibermelt.report.profiles import figure_profiles, profiles_words, relative_angle
-from fibermelt.report.spread import MEAN, MEDIAN
-from fibermelt.report.streamlines import streamlines_words
-from fibermelt.report.style import Words
-from fibermelt.report.surroundings import read_instant
-from fibermelt.report.tables import number
-from fibermelt.report.timeline import on_fibers
+from fibermelt.parts.bead.figures.cell import cell_words
+from fibermelt.parts.bead.figures.extremes import EXTREMES, extremes_words, figure_extremes
+from fibermelt.parts.bead.figures.positions import figure_positions, positions_words, worst_places
+from fibermelt.parts.bead.figures.pressure_history import figure_history, history_words
+from fibermelt.parts.bead.figures.profiles import figure_profiles, profiles_words, relative_angle
+from fibermelt.parts.bead.figures.spread import MEAN, MEDIAN
+from fibermelt.parts.bead.figures.surroundings import read_instant
+from fibermelt.parts.flow.figures.lines import features, regular
+from fibermelt.parts.flow.figures.streamlines import streamlines_words
+from fibermelt.parts.flow.figures.timeline import on_fibers
+from fibermelt.report.kit.style import Words
+from fibermelt.report.kit.tables import number
 
 ROUNDING = 1e-12
 

@@ -14,11 +14,11 @@ from drawn_bead import made_up
 from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from fibermelt.report.figures import FIGURES, draw_figures
-from fibermelt.report.plates import Plate
-from fibermelt.report.style import FULL, PNG_DOTS, STYLE, save
-from fibermelt.study.loading import load_study
-from fibermelt.study.toml import resolved_toml
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.toml import resolved_toml
+from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.style import FULL, PNG_DOTS, STYLE, save
+from fibermelt.report.page.figures import FIGURES, draw_figures
 
 SMALLEST_TYPE = 6.5
 """Points; smaller type cannot be read on paper."""

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from fibermelt.study.config.field import ImportedField
-from fibermelt.study.config.given import GivenFile, fingerprint
-from fibermelt.study.config.paths import Paths
+from fibermelt.parts.flow.field_table import ImportedField
+from fibermelt.parts.flow.given import GivenFile, fingerprint
+from fibermelt.parts.flow.paths_table import Paths
 
 HEADS = {
     "flow.case": "FORMAT\ntype: ensight gold\n",

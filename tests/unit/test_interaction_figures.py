@@ -14,13 +14,13 @@ from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from suspended_fibers import interacting, oriented
 
-from fibermelt.report.figures import FIGURES as ALL
-from fibermelt.report.interaction import INTERACTION_FIGURES
-from fibermelt.report.orientation import ORIENTATION_FIGURES
-from fibermelt.report.plates import Plate
-from fibermelt.report.style import FULL, PNG_DOTS, STYLE, save
-from fibermelt.report.tensors import angle_from, component_along
-from fibermelt.report.turns import COLUMN
+from fibermelt.parts.interaction.figures import INTERACTION_FIGURES
+from fibermelt.parts.orientation.figures.orientation import ORIENTATION_FIGURES
+from fibermelt.parts.orientation.figures.tensors import angle_from, component_along
+from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.style import FULL, PNG_DOTS, STYLE, save
+from fibermelt.report.kit.turns import COLUMN
+from fibermelt.report.page.figures import FIGURES as ALL
 
 SMALLEST_TYPE = 7.0
 """Points, at the figure's own width."""

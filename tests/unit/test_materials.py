@@ -7,10 +7,10 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
+from fibermelt.engine.parameters import declarations
 from fibermelt.errors import ConfigError
-from fibermelt.study.material_values import CardValues
-from fibermelt.study.materials import card_of, load_card, material_names
-from fibermelt.study.parameters import declarations
+from fibermelt.parts.melt.cards import card_of, load_card, material_names
+from fibermelt.parts.melt.values import CardValues
 from fibermelt.units import parse
 
 SHIPPED = [

@@ -6,15 +6,15 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from fibermelt.engine.loading import load_study, merged, resolve
+from fibermelt.engine.stages import Parameters, keys
+from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import ConfigError
 from fibermelt.melt import LAWS, CarreauYasuda, Cross, Newtonian, PowerLaw
+from fibermelt.parts.melt.cards import material_names
+from fibermelt.parts.melt.melt import law_of, melt_notes, melt_of, newtonian_viscosity, values_of
+from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study, merged, resolve
-from fibermelt.study.material_values import CONSTANTS, OPTIONAL
-from fibermelt.study.materials import material_names
-from fibermelt.study.melt import law_of, melt_notes, melt_of, newtonian_viscosity, values_of
-from fibermelt.study.stages import Parameters, keys
-from fibermelt.study.toml import resolved_toml
 
 BEAD = {"parts": ["bead"]}
 CARREAU = {"law": "carreau", "viscosity": "5 kPa s", "index": 0.4, "time_constant": "0.2 s"}

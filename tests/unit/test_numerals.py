@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fibermelt.numerals import NOISE, places, rounded
-from fibermelt.report.tables import ranged, sized
+from fibermelt.report.kit.tables import ranged, sized
 
 sizes = st.floats(1e-5, 1e6)
 

@@ -19,7 +19,7 @@ from fibermelt.fiber import (
 from fibermelt.fiber.orbit import tumbling_period
 from fibermelt.history import simple_shear
 from fibermelt.melt import CarreauYasuda, PowerLaw
-from fibermelt.study.questions.orbit import read_melt
+from fibermelt.questions.orbit import read_melt
 
 FEW = examples(20)
 ROUNDING = 1e-12

@@ -10,6 +10,8 @@ import pytest
 import xarray as xr
 from suspended_fibers import CELLS, interacting, oriented, parameters, quiet, stalled
 
+from fibermelt.engine.loading import merged, resolve
+from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.shape import jeffery_factor
 from fibermelt.fiber.stall_data import StallCurve
@@ -22,11 +24,10 @@ from fibermelt.orientation.kinetics import CONVENTIONS
 from fibermelt.orientation.models import MODELS, FolgarTucker
 from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
-from fibermelt.study.bead.fiber import cell_stage
-from fibermelt.study.config.interaction import OWN, WITHOUT_COEFFICIENT, Interaction, ModelName
-from fibermelt.study.loading import merged, resolve
-from fibermelt.study.orientation.models import WRITTEN
-from fibermelt.study.orientation.stages import (
+from fibermelt.parts.bead.stages import cell_stage
+from fibermelt.parts.interaction.config import OWN, WITHOUT_COEFFICIENT, Interaction, ModelName
+from fibermelt.parts.orientation.models import WRITTEN
+from fibermelt.parts.orientation.stages import (
     DISTRIBUTION,
     content_stage,
     folgar_tucker,
@@ -36,11 +37,10 @@ from fibermelt.study.orientation.stages import (
     stall_stage,
     stored_curve,
 )
-from fibermelt.study.orientation.summary import stored_model
-from fibermelt.study.stages import Parameters
-from fibermelt.study.sweep.axes import Axis
-from fibermelt.study.sweep.design import Sweep
-from fibermelt.study.variables import labelled
+from fibermelt.parts.orientation.summary import stored_model
+from fibermelt.parts.variables import labelled
+from fibermelt.sweeps.axes import Axis
+from fibermelt.sweeps.design import Sweep
 
 XI = jeffery_factor(6.0)
 C_I = bay(0.084, 6.0)

@@ -2,17 +2,17 @@
 
 import pytest
 
-from fibermelt.errors import DamagedError, StoreError
-from fibermelt.study import outputs
-from fibermelt.study.files import remove
-from fibermelt.study.outputs import (
+from fibermelt.engine import outputs
+from fibermelt.engine.files import remove
+from fibermelt.engine.outputs import (
     has_run,
     is_published,
     publish,
     read_outputs,
     replace_output,
 )
-from fibermelt.study.store import Store
+from fibermelt.engine.store import Store
+from fibermelt.errors import DamagedError, StoreError
 
 PAGE = "report.html"
 

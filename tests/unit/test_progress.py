@@ -2,7 +2,7 @@ import io
 
 import pytest
 
-from fibermelt.study.progress import PlainProgress, duration, observing
+from fibermelt.engine.progress import PlainProgress, duration, observing
 
 
 class Terminal(io.StringIO):

@@ -17,21 +17,21 @@ from numpy.typing import NDArray
 from PIL import Image
 from stored_bead import stored_results, stored_summary
 
+from fibermelt.engine.loading import resolve
+from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import StoreError
-from fibermelt.report import embed
-from fibermelt.report.account import _one, account
-from fibermelt.report.chapters import files
-from fibermelt.report.embed import _in_dots, embed_figures
-from fibermelt.report.figures import FIGURES, draw_figures
-from fibermelt.report.html import render
-from fibermelt.report.interactive import MOST_ANGLES, MOST_LINES, bead_data
-from fibermelt.report.judged import claims
-from fibermelt.report.sections import FURTHER, SECTIONS
-from fibermelt.report.sources import USES, read_sources, sources_of, written
-from fibermelt.report.tables import Column, measured, number, table
+from fibermelt.parts.bead.figures.interactive import MOST_ANGLES, MOST_LINES, bead_data
+from fibermelt.report.kit.judged import claims
+from fibermelt.report.kit.tables import Column, measured, number, table
+from fibermelt.report.page import embed
+from fibermelt.report.page.account import _one, account
+from fibermelt.report.page.chapters import files
+from fibermelt.report.page.embed import _in_dots, embed_figures
+from fibermelt.report.page.figures import FIGURES, draw_figures
+from fibermelt.report.page.page import render
+from fibermelt.report.page.sections import FURTHER, SECTIONS
+from fibermelt.report.page.sources import USES, read_sources, sources_of, written
 from fibermelt.study.config import Config
-from fibermelt.study.loading import resolve
-from fibermelt.study.parameters import Declaration, declarations, flatten
 from fibermelt.units import parse
 
 LARGEST = 5_000_000

@@ -15,22 +15,22 @@ from stored_bead import stored_results, stored_summary
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
-from fibermelt.report.answer import answer
-from fibermelt.report.chapters import numbers
-from fibermelt.report.embed import Embedded
-from fibermelt.report.figures import FIGURES
-from fibermelt.report.judged import claims, verification
-from fibermelt.report.risk import voids
-from fibermelt.report.sections import FURTHER, SECTIONS, told
-from fibermelt.report.single_fibers import dimensions, shear
-from fibermelt.report.suspensions import content, orientation
-from fibermelt.report.tables import fixed, number, percent, short, sized
-from fibermelt.report.voids import voids_words
-from fibermelt.study.bead.summary import bead_in_words
-from fibermelt.study.orientation.summary import summarize_interaction, summarize_orientation
-from fibermelt.study.sensitivity.summary import summarize_dimensions, summarize_orbits
-from fibermelt.study.voids.advice import advice
-from fibermelt.study.voids.summary import summarize_voids, voids_in_words
+from fibermelt.paper.orbits.section import dimensions, shear
+from fibermelt.paper.orbits.summary import summarize_dimensions, summarize_orbits
+from fibermelt.parts.bead.summary import bead_in_words
+from fibermelt.parts.orientation.section import content, orientation
+from fibermelt.parts.orientation.summary import summarize_interaction, summarize_orientation
+from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.figures import voids_words
+from fibermelt.parts.voids.section import voids
+from fibermelt.parts.voids.summary import summarize_voids, voids_in_words
+from fibermelt.report.kit.judged import claims, verification
+from fibermelt.report.kit.tables import fixed, number, percent, short, sized
+from fibermelt.report.page.answer import answer
+from fibermelt.report.page.chapters import numbers
+from fibermelt.report.page.embed import Embedded
+from fibermelt.report.page.figures import FIGURES
+from fibermelt.report.page.sections import FURTHER, SECTIONS, told
 
 MPA = 1e-6
 

@@ -10,16 +10,16 @@ import pytest
 import xarray as xr
 from turned_fibers import PARAMETERS, compared, declared, turned
 
-from fibermelt.study.claims.printed import printed_period, printed_periods
-from fibermelt.study.sensitivity.dimensions import feature_rows
-from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbit_cases
-from fibermelt.study.sensitivity.summary import (
+from fibermelt.engine.stages import Parameters
+from fibermelt.paper.claims.printed import printed_period, printed_periods
+from fibermelt.paper.dimensions.stages import feature_rows
+from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbit_cases
+from fibermelt.paper.orbits.summary import (
     dimensions_in_words,
     orbits_in_words,
     summarize_dimensions,
     summarize_orbits,
 )
-from fibermelt.study.stages import Parameters
 
 ROUNDING = 1e-12
 
@@ -241,8 +241,8 @@ def test_the_studys_own_cell_is_taken() -> None:
     """A confined fiber that the study solved already is not solved again, nor differently."""
     from fibermelt.fiber import unbounded_ellipse  # noqa: PLC0415  stands in for a cell
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-    from fibermelt.study.sensitivity.dimensions import fiber_models  # noqa: PLC0415
-    from fibermelt.study.variables import labelled  # noqa: PLC0415
+    from fibermelt.paper.dimensions.stages import fiber_models  # noqa: PLC0415
+    from fibermelt.parts.variables import labelled  # noqa: PLC0415
 
     response = unbounded_ellipse(Ellipse(1.0, 6.0))
     cell = labelled(

@@ -14,10 +14,10 @@ from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from turned_fibers import PARAMETERS, compared, turned
 
-from fibermelt.report.plates import Plate
-from fibermelt.report.sensitivity import DIMENSION_FIGURES, ORBIT_FIGURES
-from fibermelt.report.style import PNG_DOTS, STYLE, save
-from fibermelt.report.turns import COLUMN, half_turn, read_turn, swept
+from fibermelt.paper.orbits.figures.plates import DIMENSION_FIGURES, ORBIT_FIGURES
+from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.style import PNG_DOTS, STYLE, save
+from fibermelt.report.kit.turns import COLUMN, half_turn, read_turn, swept
 
 SMALLEST_TYPE = 7.0
 """Points, at the width of a column."""

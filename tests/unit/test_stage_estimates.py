@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fibermelt.engine.loading import resolve
+from fibermelt.engine.stages import Neighbour, stage_parameters
 from fibermelt.errors import ConvergenceError
+from fibermelt.parts.melt.melt import values_of
+from fibermelt.parts.variables import VARIABLES, labelled
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import resolve
-from fibermelt.study.melt import values_of
-from fibermelt.study.stages import Neighbour, stage_parameters
-from fibermelt.study.variables import VARIABLES, labelled
 
 VALUES = values_of(resolve({}))
 WIDTH = VALUES["flow.capillary_width"]

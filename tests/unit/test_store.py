@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from patience import PATIENCE
 
-from fibermelt.errors import StoreError
-from fibermelt.study.files import (
+from fibermelt.engine.files import (
     canonical,
     claimed,
     digest,
@@ -25,7 +24,8 @@ from fibermelt.study.files import (
     storage_errors,
     write_sealed,
 )
-from fibermelt.study.schema import refuse_foreign
+from fibermelt.engine.schema import refuse_foreign
+from fibermelt.errors import StoreError
 
 WORDS = st.text(max_size=4)
 JSON = st.recursive(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from fibermelt.study.loading import resolve
+from fibermelt.engine.loading import resolve
+from fibermelt.parts.voids.advice import advice
 from fibermelt.study.notes import study_notes
-from fibermelt.study.voids.advice import advice
 
 
 def notes(**tables: dict[str, object]) -> str:

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError
-from fibermelt.study.loading import load_study
-from fibermelt.study.sweep.design import read_sweep
+from fibermelt.sweeps.design import read_sweep
 
 
 def sweep(tmp_path, text):

@@ -6,7 +6,7 @@ import pytest
 from swept_cases import GAP, GRID, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
 from fibermelt.report.sweep.shares import quantile_words
-from fibermelt.study.sweep.answer import answer_sweep
+from fibermelt.sweeps.answer import answer_sweep
 
 
 def pressure(point):

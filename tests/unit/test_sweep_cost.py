@@ -3,14 +3,14 @@
 import pytest
 import xarray as xr
 
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.store import Record, Store
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study
-from fibermelt.study.store import Record, Store
-from fibermelt.study.sweep.cost import estimate
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
-from fibermelt.study.sweep.progress import Progress, write_progress
-from fibermelt.study.sweep.store import open_case_store
+from fibermelt.sweeps.cost import estimate
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
+from fibermelt.sweeps.progress import Progress, write_progress
+from fibermelt.sweeps.store import open_case_store
 
 GAPS = """preset = "paper"
 [study]

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError
-from fibermelt.study.loading import load_study
-from fibermelt.study.sweep.descriptions import distribution_told
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.distributions import (
+from fibermelt.sweeps.descriptions import distribution_told
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.distributions import (
     Histogram,
     Lognormal,
     Normal,

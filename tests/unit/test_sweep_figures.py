@@ -6,14 +6,14 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
+from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.sweep.figures import effects_words, sweep_effects, sweep_plates
-from fibermelt.study.loading import load_study
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.effects import effect
-from fibermelt.study.sweep.indices import sobol_indices
-from fibermelt.study.sweep.responses import responses_of
-from fibermelt.study.sweep.table import sweep_table
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.effects import effect
+from fibermelt.sweeps.indices import sobol_indices
+from fibermelt.sweeps.responses import responses_of
+from fibermelt.sweeps.table import sweep_table
 
 LARGEST_INDEX_ERROR = 0.1
 """Of a Sobol index: twice the half 95 % interval that the bootstrap gives for these samples."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fibermelt.study.sweep.collection import reduce_results, stack
+from fibermelt.sweeps.collection import reduce_results, stack
 
 LAYERS = 4
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.parts import Chain, Part
+from fibermelt.engine.stages import Stage
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study
-from fibermelt.study.parts import Chain, Part
-from fibermelt.study.stages import Stage
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
 
 
 def plan(tmp_path, text, chain=CHAIN, head=""):

@@ -9,14 +9,14 @@ from types import SimpleNamespace
 
 import pytest
 from distributed import KilledWorker
+from fibermelt.sweep import schedulers
 from patience import PATIENCE
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.study.sweep import schedulers
-from fibermelt.study.sweep.cluster import Cluster, Died
-from fibermelt.study.sweep.pools import MOST_PER_CORE, cores, open_pool
+from fibermelt.sweeps.cluster import Cluster, Died
+from fibermelt.sweeps.pools import MOST_PER_CORE, cores, open_pool
 
 
 @pytest.mark.parametrize("address", ["foo://x", "tcp://", "tcp://host", "tcp://host:port"])

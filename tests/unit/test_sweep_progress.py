@@ -4,8 +4,8 @@ import threading
 
 import pytest
 
-from fibermelt.study.sweep.progress import Progress, add_progress, read_progress, write_progress
-from fibermelt.study.sweep.store import open_case_store
+from fibermelt.sweeps.progress import Progress, add_progress, read_progress, write_progress
+from fibermelt.sweeps.store import open_case_store
 
 CLIENTS, TIMES = 4, 8
 

@@ -17,13 +17,13 @@ from swept_cases import (
     with_errors,
 )
 
+from fibermelt.paper.claims.judge import claims
+from fibermelt.paper.claims.of_sweeps import swept_claims
 from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.words import varied_told
-from fibermelt.study.claims.judge import claims
-from fibermelt.study.sweep.claims import swept_claims
-from fibermelt.study.sweep.descriptions import distribution_told
-from fibermelt.study.sweep.table import sweep_table
+from fibermelt.sweeps.descriptions import distribution_told
+from fibermelt.sweeps.table import sweep_table
 
 PARABOLA = next(one for one in claims() if one.id == "parabola")
 BOUND = PARABOLA.at_most

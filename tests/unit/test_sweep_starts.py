@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibermelt.study.bead.flow import flow_but_for_scale
+from fibermelt.engine.loading import load_study, resolve
+from fibermelt.engine.stages import stage_parameters
+from fibermelt.parts.flow.stages import flow_but_for_scale
+from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study, resolve
-from fibermelt.study.melt import values_of
-from fibermelt.study.stages import stage_parameters
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
-from fibermelt.study.sweep.starts import REACH, neighbours
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
+from fibermelt.sweeps.starts import REACH, neighbours
 
 
 def level(parents, place):

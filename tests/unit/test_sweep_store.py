@@ -12,10 +12,10 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fibermelt.engine.files import digest
 from fibermelt.errors import StoreError
-from fibermelt.study.files import digest
-from fibermelt.study.sweep.collection import Batch, Kept, reduce_results, stack
-from fibermelt.study.sweep.store import CaseStore, Failure, open_case_store
+from fibermelt.sweeps.collection import Batch, Kept, reduce_results, stack
+from fibermelt.sweeps.store import CaseStore, Failure, open_case_store
 
 
 def kept(values, dimensions=(), units="Pa"):

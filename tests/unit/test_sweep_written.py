@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from fibermelt.errors import StoreError
-from fibermelt.study.sweep.collect import write_netcdf, write_zarr
+from fibermelt.sweeps.collect import write_netcdf, write_zarr
 
 
 class Written:

@@ -7,8 +7,8 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
+from fibermelt.engine.files import canonical, digest
 from fibermelt.errors import ConvergenceError
-from fibermelt.study.files import canonical, digest
 from fibermelt.verify import (
     LADDER_VERSION,
     Check,

@@ -5,12 +5,12 @@ import math
 
 import pytest
 
+from fibermelt.engine.netcdf import from_bytes, to_bytes
+from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConvergenceError
+from fibermelt.parts.verification.stages import verification_stage
+from fibermelt.parts.verification.summary import summarize_verification, verification_in_words
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.netcdf import from_bytes, to_bytes
-from fibermelt.study.stages import Parameters
-from fibermelt.study.verification.stage import verification_stage
-from fibermelt.study.verification.summary import summarize_verification, verification_in_words
 from fibermelt.verify import Rung, as_dataset_rows, below, climb, order, rungs
 from fibermelt.verify.words import as_answer
 

@@ -13,17 +13,17 @@ from hypothesis import strategies as st
 
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
-from fibermelt.report import risk
+from fibermelt.paper.claims.judge import claims, judge, measured
+from fibermelt.paper.claims.quantities import NotStoredError
+from fibermelt.paper.claims.voids import VOIDS
+from fibermelt.parts.melt.cards import load_card
+from fibermelt.parts.voids import section as risk
+from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.melt import moist_melt
+from fibermelt.parts.voids.profile import layer_weights
+from fibermelt.parts.voids.stages import assess_bead
+from fibermelt.parts.voids.summary import BESIDE, summarize_voids, voids_in_words
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.claims.judge import claims, judge, measured
-from fibermelt.study.claims.quantities import NotStoredError
-from fibermelt.study.claims.voids import VOIDS
-from fibermelt.study.materials import load_card
-from fibermelt.study.voids.advice import advice
-from fibermelt.study.voids.melt import moist_melt
-from fibermelt.study.voids.profile import layer_weights
-from fibermelt.study.voids.stages import assess_bead
-from fibermelt.study.voids.summary import BESIDE, summarize_voids, voids_in_words
 from fibermelt.voids import ATMOSPHERE, saturation_pressure
 
 ABS_AT = {"card": "paper", "temperature": 503.15}

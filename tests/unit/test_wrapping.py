@@ -2,7 +2,7 @@
 
 import pytest
 
-from fibermelt.study.wrapping import LEAST_WIDTH, hanging, unbroken, wrapped
+from fibermelt.engine.wrapping import LEAST_WIDTH, hanging, unbroken, wrapped
 
 LINE = "what to do      Dry below 0.014 %, so that the melt cannot boil, and slow down to 11 mm/s."
 ROW = "period [s]      r_e                1       3       6       8      10      12      14      16"

@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
-from fibermelt.study.sensitivity.dimensions import DIMENSIONS_PARAMETERS, dimensions_stage
-from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbits_stage
-from fibermelt.study.stages import Parameters
-from fibermelt.study.variables import labelled
+from fibermelt.engine.stages import Parameters
+from fibermelt.paper.dimensions.stages import DIMENSIONS_PARAMETERS, dimensions_stage
+from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.parts.variables import labelled
 
 PARAMETERS: dict[str, Any] = {
     "sensitivity.aspect_ratios": (1.0, 6.0, 10.0),

@@ -19,9 +19,9 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from suspended_fibers import oriented
 
-from fibermelt.report.figures import FIGURES
-from fibermelt.report.plates import Plate
-from fibermelt.report.style import STYLE
+from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.style import STYLE
+from fibermelt.report.page.figures import FIGURES
 
 CAPILLARY = 3e-3
 """Width of the capillary of the made-up bead [m]."""

@@ -16,7 +16,7 @@ from fibermelt.fiber.cell import solve_cell
 from fibermelt.fiber.cell_data import CellNumerics, CellSolution
 from fibermelt.fiber.near_field import near_field
 from fibermelt.fiber.tumbling import tumble, turn_times
-from fibermelt.study.claims.printed import printed_periods
+from fibermelt.paper.claims.printed import printed_periods
 
 NUMERICS = CellNumerics(estimate=False)
 DOMAIN = 28.0

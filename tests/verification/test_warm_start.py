@@ -15,8 +15,8 @@ from fibermelt.flow.rescale import rescaled
 from fibermelt.flow.search import SurfaceSearch, _chords_end
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.melt import Newtonian
-from fibermelt.study.bead.flow import start_from
-from fibermelt.study.variables import labelled
+from fibermelt.parts.flow.stages import start_from
+from fibermelt.parts.variables import labelled
 
 COARSE = FlowNumerics().coarsened(4.0)
 NEIGHBOURS = [

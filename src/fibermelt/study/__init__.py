@@ -1,1 +1,1 @@
-"""Studies: what to run, in which order, and where the results are kept."""
+"""A study: all its tables, and the chain that computes what it asks for."""

@@ -1,0 +1,1 @@
+"""What runs a study and keeps its results, and knows no physics."""

@@ -1,0 +1,1 @@
+"""What the plane ellipse costs against a spheroid."""

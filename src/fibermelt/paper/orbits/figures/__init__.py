@@ -1,0 +1,1 @@
+"""Figures of one fiber in simple shear."""

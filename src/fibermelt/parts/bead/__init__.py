@@ -1,0 +1,1 @@
+"""Fibers along the paths of a flow, and the pressure on them."""

@@ -1,0 +1,1 @@
+"""Figures of the fibers along the paths."""

@@ -1,0 +1,1 @@
+"""The flow: solved or given, and the paths through it."""

@@ -1,0 +1,1 @@
+"""Figures of the flow and of its streamlines."""

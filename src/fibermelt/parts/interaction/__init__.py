@@ -1,0 +1,1 @@
+"""From fiber content to the interaction of fibers and the size of the cell."""

@@ -1,0 +1,1 @@
+"""The melt of a study: its card, its law, its temperature."""

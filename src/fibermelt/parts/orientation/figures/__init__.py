@@ -1,0 +1,1 @@
+"""Figures of orientation tensors along the paths."""

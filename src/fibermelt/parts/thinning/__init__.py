@@ -1,0 +1,1 @@
+"""What melts that thin do to the bead and to its fibers."""

@@ -1,0 +1,1 @@
+"""Where in the bead voids can start."""
