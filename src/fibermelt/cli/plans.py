@@ -83,11 +83,8 @@ def _in_words(listed: Mapping[str, Any]) -> str:
         kept = f", {count['stored']} of {count['kept']} stored" if count["kept"] else ", not stored"
         lines.append(f"{name:<16}{count['results']} for all cases{kept}")
         if "warm" in count:
-            cold = count["kept"] - count["warm"] - count["scaled"]
-            lines.append(
-                f"{'':<16}{cold} from cold, {count['warm']} from a neighbour, "
-                f"{count['scaled']} scaled from one; {count['levels']} one after the other"
-            )
+            cold = count["kept"] - count["warm"]
+            lines.append(f"{'':<16}{cold} from cold, {count['warm']} from a neighbour")
     if listed["pending"]:
         lines.append(f"to do           {_cost(listed['estimate'])}")
     cases = []

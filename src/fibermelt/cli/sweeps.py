@@ -129,8 +129,7 @@ def resume(
     """
 
     def read() -> tuple[Sweep, Study, Path]:
-        from fibermelt.sweeps.record import restored  # noqa: PLC0415  lazy, as above
-        from fibermelt.sweeps.store import CaseStore  # noqa: PLC0415
+        from fibermelt.sweeps.store import CaseStore, restored  # noqa: PLC0415  lazy, as above
 
         folder = given_folder(directory)
         return *restored(CaseStore(folder)), folder

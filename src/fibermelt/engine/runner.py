@@ -5,24 +5,23 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.execution import execute, software_versions
 from fibermelt.engine.files import canonical, digest, write_through
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import is_published, publish
 from fibermelt.engine.parts import Chain
 from fibermelt.engine.progress import Observer, Silent
 from fibermelt.engine.schema import REPORT, SCHEMA, has_lost_mark
-from fibermelt.engine.stages import Neighbour, Parameters, Say, Stage, keys, stage_parameters
+from fibermelt.engine.stages import Say, Stage, keys, stage_parameters
 from fibermelt.engine.store import Record, Store, stage_name
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import DamagedError, legible
 from fibermelt.parts.melt.melt import values_of
-from fibermelt.software import versions_of
 from fibermelt.study.notes import study_notes
 
 if TYPE_CHECKING:
@@ -32,16 +31,13 @@ if TYPE_CHECKING:
     from fibermelt.engine.parameters import Value
     from fibermelt.study.config import Config
 
-__all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions", "summarize"]
+__all__ = ["DrawFigures", "WriteReport", "run_study", "summarize"]
 
 DrawFigures = Callable[["xr.Dataset", Path], Sequence[Path]]
 """Draws the figures of results into a folder and returns what it wrote."""
 
 WriteReport = Callable[["xr.Dataset", Mapping[str, Any], Mapping[str, bytes]], bytes]
 """Makes the report of results and summary, with the figures that were drawn, by name."""
-
-SOFTWARE = ("fibermelt", "ngsolve", "numpy", "scipy", "xarray", "h5netcdf", "h5py", "matplotlib")
-"""Packages whose versions are recorded beside the numbers."""
 
 
 def run_study(
@@ -147,14 +143,16 @@ class _Run:
         for stage in stages:
             record = found.get(stage.name)
             if record is not None:
-                data[stage.name] = store.load(record)
+                stored = store.load(record)
                 self.observer.done(stage.name, f"reused (took {record.cost:.1f} s when computed)")
             else:
-                like = None if fresh else self._like(store, stage, stage_keys)
-                record, data[stage.name] = self._compute(stage, stage_keys, data, like)
+                self.observer.step(stage.name, "started")
+                inputs = {name: data[name] for name in stage.fed(values)}
+                record, stored = execute(stage, values, stage_keys, inputs, self._say(stage))
                 # What is damaged is not in what was found: it makes room, as all does afresh.
-                record = store.save(record, data[stage.name], replace=stage.name not in found)
+                record = store.save(record, stored, replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
+            data[stage.name] = stage.scaled(stage_parameters(stage, values)).of(stored)
             cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
 
@@ -171,56 +169,6 @@ class _Run:
                 told = f"{stage_name(name, key)} is damaged: it is computed anew"
                 self.observer.done("store", told)
         return found
-
-    def _like(self, store: Store, stage: Stage, stage_keys: Mapping[str, str]) -> Neighbour | None:
-        """Return a stored result of a stage that differs from the one asked for by a scale only.
-
-        One that itself began with another's is none: it differs within its error.
-        """
-        if stage.compute_from is None:
-            return None
-        values = values_of(self.study.config)
-        asked = dict(stage.but_for_scale(stage_parameters(stage, values)))
-        inputs = {name: stage_keys[name] for name in stage.fed(values)}
-        for record, _ in store.records():
-            is_whole = not record.neighbour and dict(record.inputs) == inputs
-            if (record.stage, record.version, is_whole) != (stage.name, stage.version, True):
-                continue
-            if dict(stage.but_for_scale(record.parameters)) == asked:
-                with suppress(DamagedError):
-                    return Neighbour(Parameters(record.parameters), store.load(record), record.key)
-        return None
-
-    def _compute(
-        self,
-        stage: Stage,
-        stage_keys: Mapping[str, str],
-        data: Mapping[str, xr.Dataset],
-        like: Neighbour | None,
-    ) -> tuple[Record, xr.Dataset]:
-        values = values_of(self.study.config)
-        parameters, fed = stage_parameters(stage, values), stage.fed(values)
-        start, busy = time.perf_counter(), time.process_time()
-        self.observer.step(stage.name, "started")
-        from threadpoolctl import threadpool_limits  # noqa: PLC0415  lazy: a stored study needs none
-
-        # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
-        with threadpool_limits(limits=1, user_api="blas"):
-            inputs = {name: data[name] for name in fed}
-            dataset, neighbour = stage.begin(parameters, inputs, self._say(stage), like)
-        record = Record(
-            stage=stage.name,
-            version=stage.version,
-            key=stage_keys[stage.name],
-            parameters=dict(parameters),
-            inputs={name: stage_keys[name] for name in fed},
-            cost=time.perf_counter() - start,
-            data="",
-            software=software_versions(),
-            processor=time.process_time() - busy,
-            neighbour=neighbour,
-        )
-        return record, dataset
 
     def _say(self, stage: Stage) -> Say:
         return lambda line: self.observer.step(stage.name, line)
@@ -288,8 +236,3 @@ class _Run:
 
         publish(store.directory, key, write)
         return summary
-
-
-def software_versions() -> dict[str, str]:
-    """Return the versions of what computes."""
-    return versions_of(SOFTWARE)

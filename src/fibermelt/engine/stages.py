@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ __all__ = [
     "Neighbour",
     "Parameters",
     "Say",
+    "Scaled",
     "Stage",
     "keys",
     "refuse_beyond",
@@ -76,26 +77,43 @@ Compute = Callable[[Parameters, Inputs, Say], "xr.Dataset"]
 
 @dataclass(frozen=True, eq=False)
 class Neighbour:
-    """The same stage of another case, finished.
+    """The same stage of another case, finished: its key, and its data as they are stored."""
 
-    Parameters
-    ----------
-    parameters : Parameters
-        What it read.
-    data : xarray.Dataset
-        Its data.
-    key : str
-        Its key.
-    """
-
-    parameters: Parameters
+    key: str
     data: xr.Dataset
-    key: str = ""
 
 
 ComputeFrom = Callable[[Parameters, Inputs, Say, Neighbour], tuple["xr.Dataset", bool]]
 """As `Compute`, beginning with what a neighbour found; and whether that led to the data: where it
 leads nowhere, they are those from cold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A stage's result as a multiple of another one, which alone is computed and stored.
+
+    What follows exactly by scaling is one result: whoever comes first, the numbers are the same.
+
+    Parameters
+    ----------
+    reference : Parameters
+        The parameters of the other one.
+    factors : mapping
+        By how much what has a unit, such as ``"m/s"``, is larger than there; what has another unit
+        is the same.
+    """
+
+    reference: Parameters
+    factors: Mapping[str, float] = field(default_factory=dict)
+
+    def of(self, data: xr.Dataset) -> xr.Dataset:
+        """Return the result, of the data of the other one."""
+        changed = {
+            name: variable.copy(data=variable.data * self.factors[variable.attrs["units"]])
+            for name, variable in data.variables.items()
+            if self.factors.get(variable.attrs.get("units", ""), 1.0) != 1.0
+        }
+        return data.assign(changed) if changed else data
 
 
 @dataclass(frozen=True)
@@ -161,9 +179,9 @@ class Stage:
     compute_from : callable, optional
         Does it from the result of a neighbour, to the same answer within its stated error: in a
         sweep, where neighbours abound. It is no part of the stage's key.
-    but_for_scale : callable, optional
-        From its parameters to what decides its result but for a scale: to neighbours that agree
-        in it ``compute_from`` brings a result by scaling. All parameters by default.
+    scaled : callable, optional
+        From its parameters to the result of which its own is a multiple: the key, ``compute`` and
+        what is stored are that one's. It is itself that one by default.
     estimates : callable, optional
         From its parameters and its data to the errors that it estimates: data with one beyond its
         bound are no answer, and are neither used nor stored.
@@ -178,32 +196,13 @@ class Stage:
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
     compute_from: ComputeFrom | None = None
-    but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
+    scaled: Callable[[Parameters], Scaled] = Scaled
     estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] = _no_estimates
 
     @property
     def heading(self) -> str:
         """Return the name under which its cost is told."""
         return self.told_with or self.name
-
-    def begin(
-        self, parameters: Parameters, inputs: Inputs, say: Say, start: Neighbour | None
-    ) -> tuple[xr.Dataset, str]:
-        """Compute it, from a neighbour's result where there is one and it can begin with it.
-
-        Return its data and the key of the neighbour that they came from; empty: from cold.
-
-        Raises
-        ------
-        FibermeltError
-            If it has no answer, also where what it found is not good by its own estimate.
-        """
-        if self.compute_from is None or start is None:
-            data, is_from_it = self.compute(parameters, inputs, say), False
-        else:
-            data, is_from_it = self.compute_from(parameters, inputs, say, start)
-        refuse_beyond(self.name, self.estimates(parameters, data))
-        return data, start.key if start is not None and is_from_it else ""
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""
@@ -257,7 +256,8 @@ def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]
     """Return the key of every stage: a hash of all that its result depends on.
 
     Of its name and version, the parameters that it reads, and the keys of its inputs; so a
-    change of a fiber's parameter leaves the key of the flow alone.
+    change of a fiber's parameter leaves the key of the flow alone. Results that are multiples of
+    one (`Stage.scaled`) have one key.
 
     Parameters
     ----------
@@ -267,12 +267,16 @@ def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]
         The resolved study, ``{"flow.gap": 0.003, ...}``.
     """
     found: dict[str, str] = {}
+    fed: dict[str, str] = {}
     for stage in stages:
+        scaled = stage.scaled(stage_parameters(stage, values))
         content = {
             "stage": stage.name,
             "version": stage.version,
-            "parameters": dict(stage_parameters(stage, values)),
-            "inputs": {name: found[name] for name in stage.fed(values)},
+            "parameters": dict(scaled.reference),
+            "inputs": {name: fed[name] for name in stage.fed(values)},
         }
-        found[stage.name] = digest(canonical(content))
+        key = found[stage.name] = digest(canonical(content))
+        # Who is fed it sees it in its own scale.
+        fed[stage.name] = digest(canonical([key, scaled.factors])) if scaled.factors else key
     return found

@@ -28,9 +28,9 @@ from fibermelt.parts.bead.summary import bead_in_words, summarize_bead
 from fibermelt.parts.flow.imported import field_stage
 from fibermelt.parts.flow.stages import (
     FLOW_NUMERICS,
-    flow_but_for_scale,
     flow_estimates,
     flow_from,
+    flow_scaled,
     flow_stage,
     streamline_estimates,
     streamlines_stage,
@@ -139,12 +139,12 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            6,
+            7,
             ("flow", LAW, *FLOW_NUMERICS),
             (),
             flow_stage,
             compute_from=flow_from,
-            but_for_scale=flow_but_for_scale,
+            scaled=flow_scaled,
             estimates=flow_estimates,
         ),
         Stage("field", 3, ("field",), (), field_stage),

@@ -82,14 +82,8 @@ class Agenda:
 
     def _needed(self, todo: list[PlannedCase], settled: set[str]) -> set[str]:
         """Return the keys of all stages to keep that some cases need, and of their neighbours."""
-        needed: set[str] = set()
-        left = {case.keys[name] for case in todo for name in case.kept} - settled
-        while left:
-            needed |= left
-            jobs = [self.plan.jobs[key] for key in left]
-            left = {key for job in jobs if job.neighbour for key in (*job.needs, job.neighbour)}
-            left -= needed | settled
-        return needed
+        needed = {case.keys[name] for case in todo for name in case.kept} - settled
+        return needed | ({self.plan.jobs[key].neighbour for key in needed} - {"", *settled})
 
     def _await(self, item: Item, needs: set[str]) -> None:
         """Have an item wait for stages, or be ready if there are none."""

@@ -6,9 +6,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
-from fibermelt.sweeps.effects import effect
-from fibermelt.sweeps.indices import sobol_indices, why_no_indices
-from fibermelt.sweeps.quantiles import quantiles
+from fibermelt.sweeps.analysis import effect, quantiles, sobol_indices, why_no_indices
 from fibermelt.sweeps.table import SweepTable, sweep_table
 from fibermelt.sweeps.window import drying_advice
 

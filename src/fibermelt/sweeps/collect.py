@@ -21,8 +21,7 @@ from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import ConfigError, StoreError, legible
 from fibermelt.study.config import Config
 from fibermelt.sweeps.collection import Reduced
-from fibermelt.sweeps.record import Asked, read_asked
-from fibermelt.sweeps.store import CaseStore, damaged_batch
+from fibermelt.sweeps.store import Asked, CaseStore, damaged_batch, read_asked
 
 if TYPE_CHECKING:
     import numpy as np
@@ -59,8 +58,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
 
     cases = CaseStore(directory)
     asked = read_asked(cases)
-    dimensions = tuple(keys[0] for keys in asked.axes) if asked.is_grid else ("case",)
-    shape = asked.shape if asked.is_grid else (len(asked.cases),)
+    dimensions, shape = asked.sweep.dimensions, asked.sweep.shape
     found = _numbers(cases, [case.result for case in asked.cases])
     if cases.damaged:
         raise damaged_batch(cases.damaged[0])
@@ -72,7 +70,7 @@ def collect_sweep(directory: Path) -> xr.Dataset:
             variables[name] = ((*dimensions, *dims[1:]), over, about)
         else:
             variables[name] = (dims, values, about)
-    dataset = xr.Dataset(variables, coords=_coordinates(asked, dimensions))
+    dataset = xr.Dataset(variables, coords=_coordinates(asked))
     dataset.attrs = {
         "title": f"fibermelt sweep {legible(asked.study.name)}",
         "schema": SCHEMA,
@@ -261,24 +259,23 @@ def _status(cases: CaseStore, asked: Asked) -> Found:
     }
 
 
-def _coordinates(asked: Asked, dimensions: tuple[str, ...]) -> dict[str, Any]:
+def _coordinates(asked: Asked) -> dict[str, Any]:
     """Return the parameters that vary, along the axes of a grid or along ``case``."""
     import numpy as np  # noqa: PLC0415  lazy: see above
 
     known = {declaration.key: declaration for declaration in declarations(Config)}
     coordinates = {}
-    if not asked.is_grid:
+    if asked.sweep.design != "grid":
         points = [case.point for case in asked.cases]
-        for key in (key for keys in asked.axes for key in keys):
+        for key in (key for axis in asked.sweep.axes for key in axis.keys):
             coordinates[key] = ("case", *_coordinate([p[key] for p in points], known[key]))
         return coordinates
-    places = np.arange(len(asked.cases)).reshape(asked.shape)
-    for axis, (name, keys) in enumerate(zip(dimensions, asked.axes, strict=True)):
-        along = places.transpose(axis, *(k for k in range(places.ndim) if k != axis))
-        first = along.reshape(len(along), -1)[:, 0]
-        for key in keys:
-            values = [asked.cases[place].point[key] for place in first]
-            coordinates[key] = (name, *_coordinate(values, known[key]))
+    places = np.arange(len(asked.cases)).reshape(asked.sweep.shape)
+    for place, axis in enumerate(asked.sweep.axes):
+        first = np.moveaxis(places, place, 0).reshape(len(axis.values), -1)[:, 0]
+        for key in axis.keys:
+            values = [asked.cases[case].point[key] for case in first]
+            coordinates[key] = (axis.name, *_coordinate(values, known[key]))
     return coordinates
 
 

@@ -20,26 +20,36 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from pydantic import ValidationError
 
 from fibermelt.engine.files import canonical, digest
 from fibermelt.engine.loading import resolve
+from fibermelt.engine.overrides import SETTINGS
 from fibermelt.engine.parameters import Value, declarations, excerpt, flatten
 from fibermelt.errors import ConfigError
 from fibermelt.parts.interaction.config import interacting
 from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.config import Config
 from fibermelt.sweeps.axes import MOST_CASES, Axis, read_axis
-from fibermelt.sweeps.distributions import Uniform
-from fibermelt.sweeps.settings import SAMPLED, SETTINGS, Design, read_settings
 
 if TYPE_CHECKING:
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parameters import Section
 
-__all__ = ["SAMPLED", "SETTINGS", "Case", "Sweep", "read_sweep"]
+__all__ = ["SAMPLED", "SETTINGS", "Case", "Sweep", "read_sweep", "swept"]
+
+Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol", "saltelli"]
+SAMPLED = ("latin-hypercube", "sobol", "saltelli")
+"""Designs whose cases are samples of distributions."""
+
+UNUSED = {
+    "samples": "draws no samples",
+    "seed": "draws nothing at random",
+    "weight": "has no population whose cases could be weighed",
+}
+"""Settings of samples, and why a design of another kind takes none of them."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +121,11 @@ class Sweep:
         return (self.samples * block,)
 
     @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Return the dimensions of its collected cases: the axes of a grid, else ``case``."""
+        return tuple(axis.name for axis in self.axes) if self.design == "grid" else ("case",)
+
+    @property
     def count(self) -> int:
         """Return the number of cases."""
         return math.prod(self.shape)
@@ -132,14 +147,13 @@ class Sweep:
                 for value in axis.values
             ]
             return [{}, *single]
-        return [
-            {
-                axis.name: axis.distribution.at(float(share))
-                for axis, share in zip(self.axes, row, strict=True)
-                if axis.distribution is not None
-            }
-            for row in self._samples()
+        columns = [
+            axis.distribution.at(shares).tolist()
+            for axis, shares in zip(self.axes, self._samples().T, strict=True)
+            if axis.distribution is not None
         ]
+        names = [axis.name for axis in self.axes]
+        return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
     def cases(self) -> list[Case]:
         """Return every case, resolved and checked.
@@ -228,7 +242,7 @@ class Sweep:
         for axis in self.axes:
             if f"{axis.name} = " in fault:
                 way = "is a distribution: cut it off with { ..., between = [low, high] }"
-                if isinstance(axis.distribution, Uniform):
+                if axis.distribution is not None and axis.distribution.kind == "uniform":
                     way = "is sampled from end to end: narrow it"
                 ways.append(f'; sweep."{axis.name}" {way}')
         return "".join(ways)
@@ -252,6 +266,28 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
             "run"
         )
         raise ConfigError(msg)
+    return swept(table, study.tables, cold=cold)
+
+
+def swept(
+    table: Mapping[str, Any], tables: Mapping[str, Any] | None = None, *, cold: bool = False
+) -> Sweep:
+    """Return what a table ``[sweep]`` stands for.
+
+    Parameters
+    ----------
+    table : mapping
+        The table, as TOML has it.
+    tables : mapping, optional
+        The study that holds it, as written; without it there are no cases to make.
+    cold : bool
+        Whether no stage is to start from the result of a neighbouring case.
+
+    Raises
+    ------
+    ConfigError
+        As `read_sweep`.
+    """
     known = {declaration.key: declaration for declaration in declarations(Config)}
     axes = tuple(
         read_axis(name, entry, known) for name, entry in table.items() if name not in SETTINGS
@@ -263,18 +299,76 @@ def read_sweep(study: Study, *, cold: bool = False) -> Sweep:
     if twice := sorted({key for key in seen if seen.count(key) > 1}):
         msg = f"sweep: {twice[0]} varies twice: name it once"
         raise ConfigError(msg)
-    settings = read_settings(table, [axis.name for axis in axes])
-    sweep = Sweep(
-        tables=study.tables,
-        axes=axes,
-        design=settings.design,
-        samples=settings.samples,
-        seed=settings.seed,
-        weight=settings.weight,
-        is_cold=cold,
-    )
+    design = table.get("design", "grid")
+    if design not in get_args(Design):
+        choices = " or ".join(f'"{name}"' for name in get_args(Design))
+        msg = f'sweep.design = "{excerpt(design)}": must be {choices}'
+        raise ConfigError(msg)
+    samples, seed = _whole(table, "samples"), _whole(table, "seed")
+    if design in SAMPLED:
+        _refuse_samples(samples, design, len(axes))
+    else:
+        _refuse_unused(table, design)
+    weight = _weight(table, [axis.name for axis in axes])
+    sweep = Sweep(tables or {}, axes, design, samples, seed, weight, cold)
     _fits(sweep)
     return sweep
+
+
+def _refuse_unused(table: Mapping[str, Any], design: str) -> None:
+    """Refuse settings of samples where none are drawn: mostly the design was forgotten."""
+    for name, why in UNUSED.items():
+        if name not in table:
+            continue
+        value = table[name]
+        shown = f'"{excerpt(value)}"' if isinstance(value, str) else excerpt(value)
+        default = "" if "design" in table else ", which is meant where none is named,"
+        msg = (
+            f'sweep.{name} = {shown}: design = "{design}"{default} {why}: take design = '
+            f'"latin-hypercube", "sobol" or "saltelli", or leave {name} away'
+        )
+        raise ConfigError(msg)
+
+
+def _refuse_samples(samples: int, design: str, axes: int) -> None:
+    """Refuse a number of samples that a design cannot have."""
+    if samples < 1:
+        msg = f'sweep.samples = {samples}: design = "{design}" needs at least one'
+        raise ConfigError(msg)
+    if design in {"saltelli", "sobol"} and samples.bit_count() != 1:
+        below = 1 << (samples.bit_length() - 1)
+        needs, rest = (
+            ("a Saltelli design", f"each is a block of {axes + 2} cases")
+            if design == "saltelli"
+            else ("a Sobol sequence", 'a Latin hypercube, design = "latin-hypercube", takes any')
+        )
+        msg = (
+            f"sweep.samples = {samples}: {needs} needs a power of two, such as {below} or "
+            f"{2 * below}; {rest}"
+        )
+        raise ConfigError(msg)
+
+
+def _whole(table: Mapping[str, Any], name: str) -> int:
+    value = table.get(name, 0)
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        msg = f"sweep.{name} = {excerpt(value)}: must be a whole number, at least 0"
+        raise ConfigError(msg)
+    return value
+
+
+def _weight(table: Mapping[str, Any], varying: Sequence[str]) -> str:
+    """Return the key by whose value cases are weighed."""
+    if "weight" not in table:
+        return ""
+    weight = table["weight"]
+    if weight not in varying:
+        msg = (
+            f'sweep.weight = "{excerpt(weight)}": must be one of the keys that are sampled, such '
+            f"as {varying[0]}"
+        )
+        raise ConfigError(msg)
+    return str(weight)
 
 
 def _fits(sweep: Sweep) -> None:

@@ -5,25 +5,33 @@ dask.distributed is imported when a cluster is wanted, and never for anything el
 
 from __future__ import annotations
 
+import asyncio
+import json
 import logging
+import math
 import os
+import queue
+import re
+import shutil
 import signal
+import tempfile
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent import futures
 from contextlib import ExitStack, contextmanager, suppress
+from importlib import import_module
 from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import Protocol
+from threading import Thread
+from typing import Any, Protocol
 
-from fibermelt.errors import ConfigError
-from fibermelt.sweeps.cluster import Cluster, Died
-from fibermelt.sweeps.schedulers import CONNECT, connect, distributed
-from fibermelt.sweeps.scratch import scratch_folder
-from fibermelt.sweeps.tasks import Outcome, Task
-from fibermelt.sweeps.worker import forget, fulfil, single_threaded
+from fibermelt.engine.files import has_dead_maker, made_name
+from fibermelt.engine.parameters import excerpt
+from fibermelt.errors import ConfigError, FibermeltError, StoreError
+from fibermelt.sweeps.worker import Outcome, Task, forget, fulfil, single_threaded
 
-__all__ = ["Pool", "cores", "open_pool", "refuse_workers"]
+__all__ = ["Cluster", "Died", "Pool", "cores", "open_pool", "refuse_workers"]
 
 MOST_PER_CORE = 64
 """Workers on a core of this machine, at most: each is a process of 150 MB and of seconds to start,
@@ -52,6 +60,30 @@ WITHOUT_WORKERS = 600.0
 """Time [s] without any worker after which this machine is taken to start none any more. Those of
 other schedulers may wait for their turn in a queue for days."""
 
+COUNT_AGAIN = 5.0
+"""Time [s] after which the workers are counted again: on a cluster they come and go."""
+
+CONNECT = 20.0
+"""Time [s] in which a scheduler has to answer: it is there, or it is not."""
+
+ADDRESS = re.compile(r"(tcp|tls|ws|wss|ucx)://[^/\s]+:\d{1,5}/?")
+"""What dask takes for the address of a scheduler."""
+
+GONE = (OSError, RuntimeError, asyncio.CancelledError, futures.CancelledError)
+"""What a client of dask raises whose scheduler goes while it is asked: a connection that breaks or
+cannot be made, one wanted of a client that was closed, a future that is given up."""
+
+PREFIX = "fibermelt-"
+"""How the names begin, in the folder of all temporary files of this machine."""
+
+LOCKS = "*.dirlock"
+"""Files that workers of dask lock as long as they live."""
+
+
+def distributed() -> Any:
+    """Return dask.distributed, of whose functions some have types and some have not."""
+    return import_module("distributed")
+
 
 def cores() -> int:
     """Return the cores of this machine that we may use: workers, unless told otherwise."""
@@ -60,6 +92,29 @@ def cores() -> int:
     except ImportError:
         return os.cpu_count() or 1
     return int(CPU_COUNT)
+
+
+def refuse_workers(workers: int | None, scheduler: str | None) -> None:
+    """Refuse what no pool can be opened with, before anything is written.
+
+    Raises
+    ------
+    ConfigError
+        If both are given, or too few or too many workers.
+    """
+    if workers is not None and scheduler is not None:
+        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
+        raise ConfigError(msg)
+    if workers is not None and workers < 0:
+        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
+        raise ConfigError(msg)
+    if workers is not None and workers > MOST_PER_CORE * cores():
+        msg = (
+            f"--workers {workers}: must be at most {MOST_PER_CORE * cores()} ({MOST_PER_CORE} for "
+            f"each of {cores()} cores): each is a process of its own, and more than cores bring "
+            "nothing; leave it away for one for each core"
+        )
+        raise ConfigError(msg)
 
 
 class Pool(Protocol):
@@ -98,27 +153,104 @@ class _Here:
         return task, fulfil(task)
 
 
-def refuse_workers(workers: int | None, scheduler: str | None) -> None:
-    """Refuse what no pool can be opened with, before anything is written.
+class Died:
+    """In place of outcomes: the workers that had a task were killed, one after the other."""
 
-    Raises
-    ------
-    ConfigError
-        If both are given, or too few or too many workers.
+
+class Cluster:
+    """Workers of dask.distributed.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Their client.
+    where : str
+        What messages call their scheduler.
+    folder : Path
+        The results folder.
+    patience : float
+        Time [s] without any worker after which none is waited for.
     """
-    if workers is not None and scheduler is not None:
-        msg = f"--workers {workers} with --scheduler: a scheduler has workers of its own; drop one"
-        raise ConfigError(msg)
-    if workers is not None and workers < 0:
-        msg = f"--workers {workers}: must be at least 0 (0: in this process, without a cluster)"
-        raise ConfigError(msg)
-    if workers is not None and workers > MOST_PER_CORE * cores():
-        msg = (
-            f"--workers {workers}: must be at most {MOST_PER_CORE * cores()} ({MOST_PER_CORE} for "
-            f"each of {cores()} cores): each is a process of its own, and more than cores bring "
-            "nothing; leave it away for one for each core"
+
+    def __init__(self, client: Any, where: str, folder: Path, patience: float = math.inf) -> None:
+        self._client = client
+        self._where, self._folder, self._patience = where, folder, patience
+        self._finished: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
+        self._futures: set[Any] = set()
+        self._threads, self._counted = 0, -COUNT_AGAIN
+        self._manned = time.monotonic()
+
+    def threads(self) -> int:
+        """Return the number of threads of all workers; there may be none yet."""
+        now = time.monotonic()
+        if now - self._counted > COUNT_AGAIN:
+            self._check()
+            self._threads = sum(self._asked(self._client.nthreads).values())
+            self._counted = now
+            if self._threads:
+                self._manned = now
+            elif now - self._manned > self._patience:
+                raise self._deserted()
+        return self._threads
+
+    def submit(self, task: Task) -> None:
+        """Send it to the scheduler."""
+        self._check()
+        future = self._client.submit(_on_worker, task, pure=False)
+        self._futures.add(future)
+        future.add_done_callback(lambda done: self._finished.put((task, done)))
+
+    def next(self, timeout: float) -> tuple[Task, list[Outcome] | Died] | None:
+        """Wait for a task; nothing hangs when the scheduler is gone."""
+        try:
+            task, future = self._finished.get(timeout=timeout)
+        except queue.Empty:
+            self._check()
+            return None
+        self._futures.discard(future)
+        try:
+            if future.status == "error":
+                raise future.exception()
+            return task, self._asked(future.result)
+        except distributed().KilledWorker:
+            return task, Died()
+
+    def _asked(self, question: Callable[[], Any]) -> Any:
+        """Return what the scheduler answers, or raise that it is gone: it may go meanwhile."""
+        try:
+            return question()
+        except GONE as error:
+            raise self._lost() from error
+
+    def _check(self) -> None:
+        """Raise if the scheduler is gone."""
+        link = self._client.scheduler_comm
+        if self._client.status != "running" or link is None or link.comm.closed():
+            raise self._lost()
+
+    def _deserted(self) -> FibermeltError:
+        return FibermeltError(
+            f"no worker has been up for {self._patience / 60:g} minutes, and none comes in place "
+            "of those that died: finished cases are kept; see whether memory or processes have "
+            f"run out, and go on with fibermelt resume {self._folder}"
         )
-        raise ConfigError(msg)
+
+    def _lost(self) -> FibermeltError:
+        return FibermeltError(
+            f"the scheduler {self._where} is gone: finished cases are kept; go on with fibermelt "
+            f"resume {self._folder}, with --scheduler where there is another one"
+        )
+
+
+def _on_worker(task: Task) -> list[Outcome]:
+    """Do a task on a worker of dask.
+
+    Inside one, xarray would ask the scheduler for a lock on every file, also those in memory.
+    """
+    import dask  # noqa: PLC0415  lazy: see the module
+
+    with dask.config.set(scheduler="synchronous"):
+        return fulfil(task)
 
 
 @contextmanager
@@ -233,3 +365,180 @@ def _remote(scheduler: str, folder: Path) -> Iterator[Cluster]:
         # A scheduler that is gone cannot be told that we leave.
         with suppress(Exception):
             client.close(timeout=2)
+
+
+def connect(scheduler: str, folder: Path) -> Any:
+    """Return a client of a scheduler.
+
+    Parameters
+    ----------
+    scheduler : str
+        Its address (``"tcp://host:port"``) or the path of its file.
+    folder : Path
+        The results folder, from which no scheduler is ever taken.
+
+    Raises
+    ------
+    ConfigError
+        If that is no address, no file with one, or the address of something else of dask.
+    FibermeltError
+        If no scheduler answers there.
+    """
+    address = _address(scheduler, folder)
+    try:
+        kind = _kind_of(address)
+        client = None
+        if kind == "Scheduler":
+            client = distributed().Client(address, timeout=CONNECT, set_as_default=False)
+    except Exception as error:
+        is_told = isinstance(error, OSError | ValueError | TypeError | ImportError)
+        reason = (str(error) or type(error).__name__) if is_told else "it sends what dask does not"
+        msg = (
+            f"--scheduler {scheduler}: does not answer as a scheduler does ({reason}): "
+            "start one with dask scheduler, or drop --scheduler"
+        )
+        raise FibermeltError(msg) from error
+    if client is None:
+        msg = (
+            f"--scheduler {scheduler}: is the address of a {excerpt(kind)} of dask, not of its "
+            "scheduler, which dask scheduler tells as it starts"
+        )
+        raise ConfigError(msg)
+    return client
+
+
+def _address(scheduler: str, folder: Path) -> str:
+    """Return the address of a scheduler that is told by it or by a file."""
+    address = scheduler
+    if "://" not in scheduler:
+        path = Path(scheduler)
+        if not path.is_file():
+            msg = (
+                f"--scheduler {scheduler}: neither an address such as tcp://host:8786 nor a "
+                "scheduler file"
+            )
+            raise ConfigError(msg)
+        if path.resolve().is_relative_to(folder.resolve()):
+            msg = (
+                f"--scheduler {scheduler}: lies in the results folder, whose content is never "
+                "taken for the address of a scheduler: keep it elsewhere"
+            )
+            raise ConfigError(msg)
+        address = _written(path)
+    if not ADDRESS.fullmatch(address):
+        # dask would answer with a client half made, that hangs and complains as it is dropped.
+        msg = f"--scheduler {scheduler}: is no address such as tcp://host:8786"
+        raise ConfigError(
+            msg if address == scheduler else f"{msg}, nor is {excerpt(address)} in it"
+        )
+    return address
+
+
+def _kind_of(address: str) -> str:
+    """Return what of dask listens at an address, such as ``"Scheduler"``.
+
+    A client of dask bounds the time of a connection only: it would wait forever for the first
+    word of another service that keeps silent.
+
+    Raises
+    ------
+    TimeoutError
+        If nothing of dask has answered in `CONNECT`.
+    Exception
+        Whatever dask makes of what answers.
+    """
+    dd = distributed()
+
+    async def ask() -> str:
+        secrets = dd.Security().get_connection_args("client")
+        # Bounded by who waits, below: of two limits that are alike, now one would end it, now one.
+        async with dd.rpc(address, timeout=2 * CONNECT, connection_args=secrets) as link:
+            return str((await link.identity())["type"])
+
+    answer: futures.Future[str] = futures.Future()
+
+    def wait() -> None:
+        try:
+            answer.set_result(asyncio.run(asyncio.wait_for(ask(), CONNECT)))
+        except Exception as error:
+            answer.set_exception(error)
+
+    # A loop of its own: there may be one in this thread, as in a notebook.
+    Thread(target=wait, daemon=True).start()
+    try:
+        return answer.result(CONNECT + 1.0)
+    except TimeoutError:
+        msg = f"nothing of dask has answered in {CONNECT:g} s"
+        raise TimeoutError(msg) from None
+
+
+def _written(path: Path) -> str:
+    """Return the address that a scheduler file holds."""
+    try:
+        return str(json.loads(path.read_text(encoding="utf-8"))["address"])
+    except (OSError, ValueError, LookupError, TypeError):
+        msg = (
+            f"--scheduler {path}: holds no address of a scheduler: have dask scheduler "
+            "--scheduler-file write it"
+        )
+        raise ConfigError(msg) from None
+
+
+@contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """Yield a new folder for temporary files, which is gone at the end.
+
+    A client that is killed leaves its folder there: the next one removes it, once no process of
+    ours is left that may use it.
+
+    Raises
+    ------
+    StoreError
+        If there is no place for it.
+    """
+    try:
+        parent = Path(tempfile.gettempdir())
+        _remove_leftovers(parent)
+        folder = parent / made_name(PREFIX)
+        folder.mkdir(mode=0o700)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        msg = (
+            f"no place for the temporary files of workers: {reason}; have TMPDIR name a folder "
+            "that can be written, or take --workers 0"
+        )
+        raise StoreError(msg) from error
+    try:
+        yield folder
+    finally:
+        # A worker that is slow to end may still write there: then the next sweep removes it.
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _remove_leftovers(parent: Path) -> None:
+    for folder in parent.glob(f"{PREFIX}*"):
+        if has_dead_maker(folder.name, PREFIX) and _is_ours(folder) and not _is_used(folder):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _is_ours(folder: Path) -> bool:
+    """Tell whether this user made a folder: others share the place, and may put links there."""
+    try:
+        return not folder.is_symlink() and folder.stat().st_uid == os.getuid()
+    except OSError:
+        return False
+
+
+def _is_used(folder: Path) -> bool:
+    """Tell whether a worker outlived its client, and holds its lock."""
+    import fcntl  # noqa: PLC0415  there is none on Windows, where no maker is known to be dead
+
+    for lock in folder.rglob(LOCKS):
+        try:
+            with lock.open("rb") as stream:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:
+            continue
+        except OSError:
+            return True
+    return False

@@ -11,19 +11,24 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.execution import software_versions
 from fibermelt.engine.progress import Observer, Silent, duration
-from fibermelt.engine.runner import software_versions
 from fibermelt.engine.schema import has_lost_mark
 from fibermelt.engine.stages import stage_parameters
 from fibermelt.errors import StoreError
 from fibermelt.sweeps.agenda import AHEAD, Agenda, Item
-from fibermelt.sweeps.cluster import Died
 from fibermelt.sweeps.plan import Job, Plan, plan_sweep
-from fibermelt.sweeps.pools import Pool, open_pool, refuse_workers
-from fibermelt.sweeps.progress import Progress, add_progress
-from fibermelt.sweeps.record import asked
-from fibermelt.sweeps.store import CaseStore, Failure, open_case_store, stage_folder
-from fibermelt.sweeps.tasks import Folder, Outcome, Task
+from fibermelt.sweeps.pools import Died, Pool, open_pool, refuse_workers
+from fibermelt.sweeps.store import (
+    CaseStore,
+    Failure,
+    Progress,
+    add_progress,
+    asked,
+    open_case_store,
+    stage_folder,
+)
+from fibermelt.sweeps.worker import Folder, Outcome, Task
 
 if TYPE_CHECKING:
     from pathlib import Path

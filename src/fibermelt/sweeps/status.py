@@ -1,10 +1,14 @@
-"""What a sweep comes to before it runs, how far it is, and what nobody needs any more."""
+"""What a sweep comes to before it runs, how far it is, what it costs, and what nobody needs more.
+
+A stored stage tells what it cost and from which neighbour it started. The numbers of cases lie
+together in files that tell neither, so `fibermelt.sweeps.store.Progress` counts what they cost.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping
-from dataclasses import asdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,21 +16,30 @@ from fibermelt.engine.files import partial, remove, storage_errors
 from fibermelt.engine.loading import load_study
 from fibermelt.engine.schema import no_folder
 from fibermelt.engine.stages import keys
+from fibermelt.engine.store import Record, Store
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.melt import values_of
-from fibermelt.sweeps.cost import estimate, read_computed
-from fibermelt.sweeps.descriptions import distribution_told
-from fibermelt.sweeps.plan import Plan, plan_sweep
-from fibermelt.sweeps.record import read_asked
-from fibermelt.sweeps.store import CaseStore, stage_folder
+from fibermelt.sweeps.plan import FROM_NEIGHBOUR, Plan, plan_sweep
+from fibermelt.sweeps.store import CaseStore, Progress, read_asked, read_progress, stage_folder
 
 if TYPE_CHECKING:
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parts import Chain
     from fibermelt.sweeps.design import Sweep
+    from fibermelt.sweeps.plan import Job, PlannedCase
     from fibermelt.sweeps.store import Failure
 
-__all__ = ["list_plan", "list_unneeded", "remove_unneeded", "sweep_status"]
+__all__ = [
+    "Computed",
+    "Estimate",
+    "StageCost",
+    "estimate",
+    "list_plan",
+    "list_unneeded",
+    "read_computed",
+    "remove_unneeded",
+    "sweep_status",
+]
 
 
 def list_plan(
@@ -49,11 +62,10 @@ def list_plan(
         ``"cases"``, ``"done"``, ``"failed"``, ``"pending"``: numbers of cases; ``"shape"``;
         ``"sampled"``: by key what the cases are samples of, in words;
         ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
-        them are ``"kept"`` in the folder, and ``"stored"`` there by now, how many start ``"warm"``
-        from a neighbour's or are ``"scaled"`` from it, and ``"levels"``: how many must come one
-        after the other; ``"estimate"``: as `fibermelt.sweeps.cost.Estimate` has it, with the
-        ``"workers"`` that it is for; ``"each"``: every case with its ``"point"``, its
-        ``"stages"`` and its ``"status"``.
+        them are ``"kept"`` in the folder, and ``"stored"`` there by now, and how many start
+        ``"warm"`` from a neighbour's; ``"estimate"``: as `Estimate` has it, with the ``"workers"``
+        that it is for; ``"each"``: every case with its ``"point"``, its ``"stages"`` and its
+        ``"status"``.
     """
     plan = plan_sweep(sweep, study, chain)
     cases = CaseStore(directory)
@@ -61,6 +73,7 @@ def list_plan(
     pending = [plan.cases[case["case"] - 1] for case in each if case["status"] == "pending"]
     counts = Counter(case["status"] for case in each)
     kept = Counter(job.stage for job in plan.jobs.values())
+    warm = Counter(job.stage for job in plan.jobs.values() if job.neighbour)
     stored = Counter(
         job.stage
         for job in plan.jobs.values()
@@ -70,17 +83,13 @@ def list_plan(
         "cases": len(each),
         **{name: counts[name] for name in ("done", "failed", "pending")},
         "shape": list(sweep.shape),
-        "sampled": {
-            key: told
-            for key, entry in (study.sweep or {}).items()
-            if (told := distribution_told(key, entry))
-        },
+        "sampled": {axis.name: axis.told for axis in sweep.axes if axis.told},
         "stages": {
             name: {
                 "results": count,
                 "kept": kept[name],
                 "stored": stored[name],
-                **_warm(plan, name),
+                **({"warm": warm[name]} if warm[name] else {}),
             }
             for name, count in plan.shared().items()
         },
@@ -106,19 +115,6 @@ def _each(
             }
         )
     return told
-
-
-def _warm(plan: Plan, stage: str) -> dict[str, int]:
-    """Return how many results of a stage start from another one, if any do."""
-    jobs = [job for job in plan.jobs.values() if job.stage == stage]
-    if not any(job.neighbour for job in jobs):
-        return {}
-    scaled = sum(job.is_scaled for job in jobs)
-    return {
-        "warm": sum(bool(job.neighbour) for job in jobs) - scaled,
-        "scaled": scaled,
-        "levels": 1 + max(plan.level(job.key) for job in jobs),
-    }
 
 
 def sweep_status(directory: Path) -> dict[str, Any]:
@@ -257,3 +253,195 @@ def _on_show(directory: Path, chain: Chain) -> set[Path]:
     values = values_of(config)
     found = keys(chain.needed(config.study.parts, values), values)
     return {stage_folder(directory, name, key) for name, key in found.items()}
+
+
+@dataclass(frozen=True)
+class StageCost:
+    """What the results of a stage cost that a sweep keeps.
+
+    Parameters
+    ----------
+    needed, stored : int
+        How many results the cases need, and how many of them are stored.
+    from_neighbour : int
+        How many of these started from a neighbour; all others did from cold.
+    seconds, processor : float
+        Wall time and processor time that they took, added up [s].
+    """
+
+    needed: int
+    stored: int
+    from_neighbour: int
+    seconds: float
+    processor: float
+
+
+@dataclass(frozen=True)
+class Computed:
+    """How what a sweep found was computed.
+
+    Parameters
+    ----------
+    stages : dict
+        The cost of every stage that is kept, by its name, in the order of the cases' stages.
+    progress : Progress
+        The cost of the cases, and the last run.
+    software : dict
+        Versions of what computed: several of one, if the runs into the folder had several.
+    """
+
+    stages: Mapping[str, StageCost]
+    progress: Progress
+    software: Mapping[str, tuple[str, ...]]
+
+
+def read_computed(directory: Path) -> Computed:
+    """Return how the sweep of a results folder was computed.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds no sweep, or one that is damaged.
+    """
+    cases = CaseStore(directory)
+    kept = {key: name for name, key, is_kept in read_asked(cases).stages if is_kept}
+    found: dict[str, list[Record]] = {name: [] for name in kept.values()}
+    for record, _ in Store(directory, ()).records():
+        if record.key in kept:
+            found[record.stage].append(record)
+    needed, progress = Counter(kept.values()), read_progress(cases)
+    versions: dict[str, set[str]] = {}
+    every = [record.software for records in found.values() for record in records]
+    for software in (*every, progress.software):
+        for name, version in software.items():
+            versions.setdefault(name, set()).add(version)
+    return Computed(
+        stages={name: _added(needed[name], records) for name, records in found.items()},
+        progress=progress,
+        software={name: tuple(sorted(several)) for name, several in versions.items()},
+    )
+
+
+def _added(needed: int, there: Sequence[Record]) -> StageCost:
+    return StageCost(
+        needed=needed,
+        stored=len(there),
+        from_neighbour=sum(bool(record.neighbour) for record in there),
+        seconds=sum(record.cost for record in there),
+        processor=sum(record.processor for record in there),
+    )
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What the rest of a sweep will cost, as what is stored did.
+
+    Parameters
+    ----------
+    work : float
+        Wall time of all that is left, one after the other [s].
+    wall : float
+        The same on some workers [s], no less than what waits for one another takes. They start
+        in some seconds, which are not counted, nor is that others may keep the cores busy.
+    size : int
+        What it will take on the disk [bytes].
+    unknown : tuple of str
+        What is left of which nothing is stored yet: it is in none of these numbers.
+    """
+
+    work: float
+    wall: float
+    size: int
+    unknown: tuple[str, ...]
+
+
+def estimate(plan: Plan, directory: Path, pending: Sequence[PlannedCase], workers: int) -> Estimate:
+    """Return what the rest of a sweep will cost, from the mean cost of like stages in a folder.
+
+    A stage that starts from a neighbour costs less than one from cold: where none like it is
+    stored, that from cold counts.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    directory : Path
+        The results folder; it need not be there.
+    pending : sequence of PlannedCase
+        Cases that are to do.
+    workers : int
+        How many work at once.
+    """
+    seconds, sizes, stored = _means(directory)
+    left = _left(plan, pending, stored)
+    count = len({case.result for case in pending})
+    kinds = {job.kind: seconds.get(job.kind, seconds.get(job.stage)) for job in left.values()}
+    unknown = [kind for kind, mean in kinds.items() if mean is None]
+    cost = {key: kinds[job.kind] or 0.0 for key, job in left.items()}
+    each, size = _cases(directory, seconds, plan)
+    if pending and each is None:
+        unknown.append("cases")
+    work = sum(cost.values()) + count * (each or 0.0)
+    total = sum(sizes.get(job.stage, 0.0) for job in left.values()) + count * size
+    return Estimate(
+        work=work,
+        wall=max(work / workers, _longest(left, cost) + (each or 0.0)) if work else 0.0,
+        size=round(total),
+        unknown=tuple(unknown),
+    )
+
+
+def _left(plan: Plan, pending: Sequence[PlannedCase], stored: set[str]) -> dict[str, Job]:
+    """Return the stages that cases need, and those from which these start, as far as not stored."""
+    left = {case.keys[name] for case in pending for name in case.kept} - stored
+    left |= {plan.jobs[key].neighbour for key in left} - stored
+    return {key: job for key, job in plan.jobs.items() if key in left}
+
+
+def _longest(left: Mapping[str, Job], cost: Mapping[str, float]) -> float:
+    """Return the time of the stages that wait for one another, where they take longest [s]."""
+    ends: dict[str, float] = {}
+
+    def end(key: str) -> float:
+        if key not in left:
+            return 0.0
+        if key not in ends:
+            job = left[key]
+            ends[key] = cost[key] + max(map(end, (*job.needs, job.neighbour)))
+        return ends[key]
+
+    return max(map(end, left), default=0.0)
+
+
+def _means(directory: Path) -> tuple[dict[str, float], dict[str, float], set[str]]:
+    """Return the mean time [s] of each kind and the mean size of each stage; and what is stored."""
+    times: dict[str, list[float]] = {}
+    sizes: dict[str, list[float]] = {}
+    stored: set[str] = set()
+    for record, size in Store(directory, ()).records():
+        stored.add(record.key)
+        kind = f"{record.stage}{FROM_NEIGHBOUR}" if record.neighbour else record.stage
+        times.setdefault(kind, []).append(record.cost)
+        sizes.setdefault(record.stage, []).append(float(size))
+    return _averaged(times), _averaged(sizes), stored
+
+
+def _averaged(several: Mapping[str, list[float]]) -> dict[str, float]:
+    return {name: sum(values) / len(values) for name, values in several.items()}
+
+
+def _cases(directory: Path, seconds: Mapping[str, float], plan: Plan) -> tuple[float | None, float]:
+    """Return the mean time of a case [s], None if it is not known, and its size [bytes]."""
+    cases = CaseStore(directory)
+    progress = read_progress(cases)
+    cases.refresh()
+    batches = cases.batch_results()
+    count = sum(map(len, batches.values()))
+    size = sum((cases.folder / name).stat().st_size for name in batches) / max(count, 1)
+    if progress.cases:
+        return progress.cases_s / progress.cases, size
+    # A run of one case keeps the last stages too, and what they cost.
+    light = {name for case in plan.cases[:1] for name in case.keys if name not in case.kept}
+    if all(name in seconds for name in light):
+        return sum(seconds[name] for name in light), size
+    return None, size

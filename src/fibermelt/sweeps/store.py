@@ -5,7 +5,7 @@
     DIR/sweep.json                        what was asked: the study, its cases, their keys
     DIR/cases/batch-<digest>.npz          numbers of finished cases, some tens in a file
     DIR/cases/failed-<stage>-<key>.json   a stage without an answer: why, and its parameters
-    DIR/cases/progress.json               how far the last run was
+    DIR/cases/progress.json               how far the last run was, and what all cases cost
     DIR/cases/locks/                      who computes what at this moment
 
 Every file is written under another name and renamed, so it is there whole or not at all, and
@@ -17,11 +17,12 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import (
+    claimed,
     digest,
     read_sealed,
     remove_leftovers,
@@ -30,13 +31,31 @@ from fibermelt.engine.files import (
     storage_errors,
     write_sealed,
 )
+from fibermelt.engine.loading import Study, resolve
 from fibermelt.engine.schema import SCHEMA, is_ours, no_folder
 from fibermelt.engine.store import KEY_LENGTH, Store, stage_name
 from fibermelt.errors import DamagedError, StoreError
 from fibermelt.sweeps.collection import Batch
+from fibermelt.sweeps.design import Sweep, read_sweep
 
-__all__ = ["CaseStore", "Failure", "damaged_batch", "open_case_store", "stage_folder"]
+if TYPE_CHECKING:
+    from fibermelt.sweeps.plan import Plan
 
+__all__ = [
+    "Asked",
+    "AskedCase",
+    "CaseStore",
+    "Failure",
+    "Progress",
+    "add_progress",
+    "asked",
+    "damaged_batch",
+    "open_case_store",
+    "read_asked",
+    "read_progress",
+    "restored",
+    "stage_folder",
+]
 
 NO_BATCH = (ValueError, KeyError, EOFError, zipfile.BadZipFile)
 """What reading a file raises that no sweep wrote, whatever its name: objects in it, for one."""
@@ -67,6 +86,32 @@ class Failure:
     reason: str
     parameters: Mapping[str, Any]
     lasting: bool
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a folder is besides what lies in it, and what its cases cost: cases/progress.json.
+
+    Parameters
+    ----------
+    wall_s : float
+        Wall time so far of the run that told last [s].
+    reused_stages : int
+        Stages that it found.
+    cases : int
+        Cases whose numbers were computed, in all runs.
+    cases_s, cases_processor_s : float
+        Wall time and processor time that they took, without the stages that are stored [s].
+    software : dict
+        Versions of what computed them last.
+    """
+
+    wall_s: float = 0.0
+    reused_stages: int = 0
+    cases: int = 0
+    cases_s: float = 0.0
+    cases_processor_s: float = 0.0
+    software: Mapping[str, str] = field(default_factory=dict)
 
 
 class CaseStore:
@@ -291,3 +336,175 @@ def damaged_batch(path: Path) -> DamagedError:
         f"{path}: is damaged, or was changed since it was written; fibermelt resume "
         f"{path.parent.parent} computes its cases anew"
     )
+
+
+def add_progress(cases: CaseStore, since: Progress) -> None:
+    """Add what a run computed since it last told, while no other run does: the sums are of all.
+
+    Parameters
+    ----------
+    cases : CaseStore
+        What a folder has of a sweep.
+    since : Progress
+        What is new: cases and times to add, and the versions if there are any cases; wall time
+        and stages that were found are those of the whole run.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be written.
+    """
+    with claimed(cases.lock("progress"), wait=True):
+        before = read_progress(cases)
+        after = Progress(
+            wall_s=since.wall_s,
+            reused_stages=since.reused_stages,
+            cases=before.cases + since.cases,
+            cases_s=before.cases_s + since.cases_s,
+            cases_processor_s=before.cases_processor_s + since.cases_processor_s,
+            software=since.software or before.software,
+        )
+        write_sealed(cases.progress, asdict(after))
+
+
+def read_progress(cases: CaseStore) -> Progress:
+    """Return what `add_progress` wrote, or nothing if it is not there or damaged."""
+    try:
+        return Progress(**read_sealed(cases.progress))
+    except (ValueError, TypeError, StoreError):
+        return Progress()
+
+
+@dataclass(frozen=True, slots=True)
+class AskedCase:
+    """One case, as sweep.json has it.
+
+    Parameters
+    ----------
+    point : dict
+        The parameters that vary, in SI.
+    result : str
+        Key of its numbers.
+    stages : tuple of int
+        Its stages, by their places in the list of all.
+    """
+
+    point: Mapping[str, Any]
+    result: str
+    stages: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A sweep, as sweep.json has it.
+
+    Parameters
+    ----------
+    study : Study
+        The study that holds it.
+    sweep : Sweep
+        What varies.
+    stages : tuple of (str, str, bool)
+        Name and key of every stage of any case, and whether it is kept.
+    cases : tuple of AskedCase
+        All cases.
+    """
+
+    study: Study
+    sweep: Sweep
+    stages: tuple[tuple[str, str, bool], ...]
+    cases: tuple[AskedCase, ...]
+
+    def failure(self, case: AskedCase, failures: Mapping[str, Failure]) -> Failure | None:
+        """Return why a case has no numbers, or None if nothing is known against it."""
+        keys = (self.stages[place][1] for place in case.stages)
+        return next((failures[key] for key in keys if key in failures), None)
+
+
+def asked(sweep: Sweep, study: Study, plan: Plan) -> dict[str, Any]:
+    """Return what sweep.json says.
+
+    Parameters
+    ----------
+    sweep, study, plan : Sweep, Study, Plan
+        The sweep, the study that holds it, and what it comes to.
+    """
+    places: dict[str, int] = {}
+    stages: list[list[Any]] = []
+    cases = []
+    for case in plan.cases:
+        for name, key in case.keys.items():
+            if key not in places:
+                places[key] = len(stages)
+                stages.append([name, key, key in plan.jobs])
+        cases.append(
+            {
+                "id": case.id,
+                "point": dict(case.point),
+                "result": case.result,
+                "stages": [places[key] for key in case.keys.values()],
+            }
+        )
+    return {
+        "name": study.name,
+        "origin": study.origin,
+        "tables": study.tables,
+        # In the order of the axes, which JSON with sorted keys would lose.
+        "sweep": list((study.sweep or {}).items()),
+        "is_cold": sweep.is_cold,
+        "stages": stages,
+        "cases": cases,
+    }
+
+
+def read_asked(cases: CaseStore) -> Asked:
+    """Return the sweep that a results folder holds.
+
+    Raises
+    ------
+    StoreError
+        If it holds none, or one that is damaged.
+    ConfigError
+        If its study is none for this version of fibermelt.
+    """
+    content = cases.read_sweep()
+    study = Study(
+        name=content["name"],
+        origin=content["origin"],
+        config=resolve(content["tables"]),
+        tables=content["tables"],
+        sweep=dict(content["sweep"]),
+    )
+    return Asked(
+        study=study,
+        # None started from another where the file does not say.
+        sweep=read_sweep(study, cold=content.get("is_cold", True)),
+        stages=tuple((name, key, kept) for name, key, kept in content["stages"]),
+        cases=tuple(
+            AskedCase(case["point"], case["result"], tuple(case["stages"]))
+            for case in content["cases"]
+        ),
+    )
+
+
+def restored(cases: CaseStore) -> tuple[Sweep, Study]:
+    """Return the sweep that a results folder holds, to go on with.
+
+    Raises
+    ------
+    StoreError
+        If it holds none, one that is damaged, or one whose cases come out otherwise now.
+    """
+    found = read_asked(cases)
+    then = [dict(case.point) for case in found.cases]
+    now = [
+        {key: list(value) if isinstance(value, tuple) else value for key, value in point.items()}
+        for point in (case.point for case in found.sweep.stream())
+    ]
+    if then != now:
+        msg = (
+            f"{cases.directory}: this version of fibermelt, or of scipy, makes other cases of the "
+            f"sweep: run fibermelt sweep STUDY --out {cases.directory} to begin it anew"
+        )
+        raise StoreError(msg)
+    return found.sweep, found.study

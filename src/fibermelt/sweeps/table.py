@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.parameters import Declaration, declarations
-from fibermelt.errors import StoreError
+from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.config import Config
-from fibermelt.sweeps.design import SAMPLED, SETTINGS
+from fibermelt.sweeps.design import SAMPLED, Sweep, swept
 from fibermelt.sweeps.responses import Response, responses_of
 from fibermelt.units import parse
 
@@ -142,37 +143,32 @@ def sweep_table(collected: xr.Dataset) -> SweepTable:
         If it does not say what varied.
     """
     try:
-        asked: Mapping[str, Any] = json.loads(collected.attrs["sweep"])
-        keys = [
-            tuple(key.strip() for key in name.split(",")) for name in asked if name not in SETTINGS
-        ]
-        design = str(asked.get("design", "grid"))
-        dimensions = tuple(one[0] for one in keys) if design == "grid" else ("case",)
+        sweep = swept(json.loads(collected.attrs["sweep"]))
+        dimensions = sweep.dimensions
         shape = tuple(int(collected.sizes[name]) for name in dimensions)
         status = _flat(collected, "status", dimensions)
-        axes = _axes(collected, keys, dimensions, shape)
-    except (KeyError, ValueError, AttributeError, TypeError) as error:
+        axes = _axes(collected, sweep, shape)
+    except (ConfigError, KeyError, ValueError, AttributeError, TypeError) as error:
         msg = (
             f"the collected sweep does not say what varied ({_in_words(error)}): collect it "
             "from its results folder again"
         )
         raise StoreError(msg) from error
-    entries = [entry for name, entry in asked.items() if name not in SETTINGS]
     return SweepTable(
         title=str(collected.attrs.get("title", "")).removeprefix("fibermelt sweep ") or "unnamed",
-        design=design,
+        design=sweep.design,
         axes=axes,
         shape=shape,
-        groups=_groups(entries) if design == "one-at-a-time" else (),
+        groups=_groups(sweep) if sweep.design == "one-at-a-time" else (),
         status=tuple(map(str, status)),
         reason=tuple(map(str, _flat(collected, "reason", dimensions))),
         responses=responses_of(
             collected,
             dimensions,
-            [key for one in keys for key in one],
+            [key for axis in sweep.axes for key in axis.keys],
             _flow_tolerance(collected),
         ),
-        weighing=next((axis for axis in axes if axis.keys == (asked.get("weight"),)), None),
+        weighing=next((axis for axis in axes if axis.keys == (sweep.weight,)), None),
     )
 
 
@@ -195,24 +191,16 @@ def _flat(collected: xr.Dataset, name: str, dimensions: Sequence[str]) -> Any:
     return collected[name].transpose(*dimensions).to_numpy().ravel()
 
 
-def _groups(entries: Sequence[Any]) -> tuple[tuple[int, ...], ...]:
+def _groups(sweep: Sweep) -> tuple[tuple[int, ...], ...]:
     """Return the cases of each axis of a design one at a time, the study itself first."""
-    groups, begin = [], 1
-    for entry in entries:
-        count = len(entry) if isinstance(entry, list) else int(entry["count"])
-        groups.append((0, *range(begin, begin + count)))
-        begin += count
-    return tuple(groups)
+    ends = list(accumulate((len(axis.values) for axis in sweep.axes), initial=1))
+    return tuple((0, *range(*between)) for between in pairwise(ends))
 
 
-def _axes(
-    collected: xr.Dataset,
-    keys: Sequence[tuple[str, ...]],
-    dimensions: tuple[str, ...],
-    shape: tuple[int, ...],
-) -> tuple[Varied, ...]:
+def _axes(collected: xr.Dataset, sweep: Sweep, shape: tuple[int, ...]) -> tuple[Varied, ...]:
     import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
 
+    dimensions, keys = sweep.dimensions, [axis.keys for axis in sweep.axes]
     known = {declaration.key: declaration for declaration in declarations(Config)}
     names = [one[0].partition(".")[2] for one in keys]
     found = []

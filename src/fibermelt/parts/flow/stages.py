@@ -5,13 +5,12 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say
+from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say, Scaled
 from fibermelt.parts.flow.imported import along_paths, paths_of
-from fibermelt.parts.melt.melt import LAW, law_of, thins
+from fibermelt.parts.melt.melt import LAW, NEWTONIAN, law_of, thins
 from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
@@ -24,9 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FLOW_NUMERICS",
-    "flow_but_for_scale",
     "flow_estimates",
     "flow_from",
+    "flow_scaled",
     "flow_stage",
     "start_from",
     "streamline_estimates",
@@ -87,6 +86,12 @@ the corners and the lips neither has a bound (2e-3; 0.03)."""
 DRIFT_BOUND = 0.01
 """Largest drift of the stream function along a streamline, over the flux: a fifth of what flows
 between two of the paper's 22 (1e-5; 3e-3)."""
+
+SCALE = (101.6e-3, 817.0)
+"""Speed of the bed [m/s] and viscosity at ``V/W`` [Pa s] of a flow that is solved: the paper's."""
+
+SAME_DIGITS = 12
+"""Significant digits in which flows agree that are one: three less than quotients have."""
 
 LAW_RATES = (1e-6, 1e8, 281)
 """Rates [1/s] between which a law is drawn, and how many."""
@@ -160,41 +165,41 @@ def flow_estimates(parameters: Parameters, flow: xr.Dataset) -> tuple[Estimate, 
 def flow_from(
     parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour
 ) -> tuple[xr.Dataset, bool]:
-    """Solve the deposition flow from the surfaces of a neighbour, and tell whether these led to it.
+    """Solve the deposition flow from the surfaces of a neighbour, and tell if these led to it."""
+    found = _solved(parameters, say, start_from(neighbour.data))
+    return _stored(found), found.is_warm
 
-    Where the two differ in nothing but a scale, the neighbour's flow is the answer with that
-    scale (`fibermelt.flow.rescale`), and nothing is solved.
+
+def flow_scaled(parameters: Parameters) -> Scaled:
+    """Return the flow of which another is a multiple, in the units of `SCALE`.
+
+    Without inertia, gravity and surface tension the shape is decided by the nozzle, the ratio of
+    the speeds, and the melt's law in units of width ``W``, bed speed ``V`` and viscosity at
+    ``V/W``: flows of another Newtonian melt, of all viscosities by a factor, or of speeds and time
+    constants together are one flow.
     """
-    from fibermelt.flow.rescale import rescaled  # noqa: PLC0415  lazy: see the module
-
-    if flow_but_for_scale(parameters) != flow_but_for_scale(neighbour.parameters):
-        found = _solved(parameters, say, start_from(neighbour.data))
-        return _stored(found), found.is_warm
-    say("the same flow of another melt, or faster: scaled")
-    solution = _solution(neighbour.parameters, neighbour.data)
-    return _stored(rescaled(solution, _problem(parameters))), True
-
-
-def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what decides a flow but for the scales of velocities and pressures.
-
-    All that it reads but the melt and the speeds, and in their place the ratio of the speeds and
-    the melt's law in the flow's own units.
-    """
-    from fibermelt.flow.rescale import (  # noqa: PLC0415  lazy: see the module
-        scaled_constants,
-        speed_ratio,
-    )
-
-    speeds = ("flow.inlet_speed", "flow.bed_speed")
-    kept = {
-        key: value
-        for key, value in parameters.items()
-        if key not in speeds and not key.startswith(f"{LAW}.")
+    law, bed_speed = law_of(parameters), parameters["flow.bed_speed"]
+    viscosity = float(law.viscosity_at(bed_speed / parameters["flow.capillary_width"]))
+    speed, thickness = bed_speed / SCALE[0], viscosity / SCALE[1]
+    name, constants = NEWTONIAN, {"viscosity": SCALE[1]}
+    if not law.is_newtonian:
+        name = parameters[f"{LAW}.name"]
+        constants = law.scaled(1.0 / thickness, speed).constants()
+    reference = {
+        **parameters,
+        **dict.fromkeys(key for key in parameters if key.startswith(f"{LAW}.")),
+        f"{LAW}.name": name,
+        **{f"{LAW}.{constant}": _rounded(value) for constant, value in constants.items()},
+        "flow.inlet_speed": _rounded(parameters["flow.inlet_speed"] * SCALE[0] / bed_speed),
+        "flow.bed_speed": SCALE[0],
     }
-    ratio = speed_ratio(*(parameters[key] for key in speeds))
-    law = " ".join(scaled_constants(_problem(Parameters(parameters))))
-    return {**kept, "flow.speed_ratio": ratio, LAW: law}
+    stress = thickness * speed
+    factors = {"m/s": speed, "1/s": speed, "m^2/s": speed, "Pa s": thickness, "Pa": stress}
+    return Scaled(Parameters(reference), factors)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{SAME_DIGITS}g}")
 
 
 def _stored(solution: FlowSolution) -> xr.Dataset:

@@ -27,6 +27,7 @@ __all__ = [
     "CARD",
     "DERIVED",
     "LAW",
+    "NEWTONIAN",
     "SAME_TEMPERATURE",
     "law_of",
     "melt_notes",

@@ -116,7 +116,7 @@ def _flows(
     parameters: Parameters, inputs: Inputs, say: Say
 ) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yield flow and streamlines of each law, each from the one before."""
-    before, flow = parameters, inputs["flow"]
+    flow = inputs["flow"]
     yield flow, inputs["streamlines"]
     for index in parameters["thinning.indices"]:
         law = {
@@ -124,12 +124,11 @@ def _flows(
         }
         of_it = {key: None for key in parameters if key.startswith(f"{LAW}.")}
         melt = Parameters({**parameters, **of_it, **law, f"{LAW}.name": "power-law"})
-        flow, _ = flow_from(melt, {}, say, Neighbour(before, flow))
+        flow, _ = flow_from(melt, {}, say, Neighbour("", flow))
         refuse_beyond(f"flow of index {index:g}", flow_estimates(melt, flow))
         lines = streamlines_stage(melt, {"flow": flow}, say)
         refuse_beyond(f"streamlines of index {index:g}", streamline_estimates(melt, lines))
         yield flow, lines
-        before = melt
 
 
 def _thinned(

@@ -18,7 +18,7 @@ from fibermelt.report.page.sources import USES, Source, read_sources, sources_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.sweeps.cost import Computed
+    from fibermelt.sweeps.status import Computed
     from fibermelt.sweeps.table import SweepTable
 
 __all__ = ["computed_told", "sources_told"]

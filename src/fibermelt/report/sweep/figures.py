@@ -34,7 +34,7 @@ from fibermelt.report.sweep.shares import (
     sweep_quantiles,
 )
 from fibermelt.report.sweep.window import figure_window, window_words
-from fibermelt.sweeps.effects import effect
+from fibermelt.sweeps.analysis import effect
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 from fibermelt.sweeps.window import critical_moistures
 

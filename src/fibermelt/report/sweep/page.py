@@ -25,13 +25,13 @@ from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
 from fibermelt.sweeps.answer import answer_sweep
 from fibermelt.sweeps.collect import collect_sweep
-from fibermelt.sweeps.cost import read_computed
+from fibermelt.sweeps.status import read_computed
 from fibermelt.sweeps.table import sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.sweeps.cost import Computed
+    from fibermelt.sweeps.status import Computed
 
 __all__ = ["BESIDE_A_RUN", "SweepReport", "render_sweep", "write_sweep_report"]
 
@@ -54,7 +54,7 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
     collected : xarray.Dataset
         As `fibermelt.sweeps.collect.collect_sweep` returns it, finished or not.
     computed : Computed, optional
-        How it was computed, as `fibermelt.sweeps.cost.read_computed` returns it.
+        How it was computed, as `fibermelt.sweeps.status.read_computed` returns it.
 
     Returns
     -------

@@ -28,8 +28,15 @@ from fibermelt.report.kit.style import styled as in_style
 from fibermelt.report.kit.tables import number
 from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
-from fibermelt.sweeps.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
-from fibermelt.sweeps.quantiles import LEVELS, quantiles, shares_below
+from fibermelt.sweeps.analysis import (
+    FEWEST_CASES,
+    LEVELS,
+    Indices,
+    quantiles,
+    shares_below,
+    sobol_indices,
+    why_no_indices,
+)
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:

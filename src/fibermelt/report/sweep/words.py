@@ -11,9 +11,9 @@ from markupsafe import Markup
 from fibermelt.report.kit.tables import Column, number, table
 from fibermelt.report.page.account import account
 from fibermelt.report.sweep.weighing import weighing_told
-from fibermelt.sweeps.descriptions import distribution_told
+from fibermelt.sweeps.analysis import LEVELS, quantiles
+from fibermelt.sweeps.axes import distribution_told
 from fibermelt.sweeps.design import SETTINGS
-from fibermelt.sweeps.quantiles import LEVELS, quantiles
 from fibermelt.sweeps.table import DIGITS, SweepTable, Varied
 from fibermelt.units import ZERO_CELSIUS
 

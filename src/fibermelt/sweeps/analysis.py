@@ -1,4 +1,4 @@
-"""What a sampled sweep tells of its responses: what their variance is due to.
+"""What a sweep tells of a response: main effects, quantiles, and what its variance is due to.
 
 Sobol's indices (Sobol, Math. Comput. Simul. 55, 2001, 271-280): the first-order index of a
 parameter, ``S_i = Var(E[y | x_i]) / Var(y)``, is the share of a response's variance that goes when
@@ -13,24 +13,43 @@ others are. Which of them can be estimated depends on the design:
 - a grid and one at a time: neither.
 
 The estimators are SALib's; the margins are half 95 % intervals from its bootstrap.
+
+Quantiles are by number, or with every case weighed: of ``n`` values in rising order the ``k``-th
+stands in the middle of its share, at ``(S_k - w_k / 2) / S_n`` with the sum ``S_k`` of the weights
+``w`` up to it; between two values they are linear. Of equal weights these shares are
+``(k - 1/2) / n``, Hazen's rule, definition 5 of Hyndman and Fan, Am. Stat. 50, 1996, 361-365: the
+middles of the strata that a Latin hypercube samples, so that its quantiles of a monotone response
+err by a stratum at most.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
-
-from fibermelt.sweeps.table import SweepTable
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from fibermelt.sweeps.responses import Response
+    from fibermelt.sweeps.table import SweepTable, Varied
 
     Array = NDArray[np.float64]
 
-__all__ = ["FEWEST_CASES", "Indices", "sobol_indices", "why_no_indices"]
+__all__ = [
+    "FEWEST_CASES",
+    "LEVELS",
+    "Indices",
+    "effect",
+    "quantiles",
+    "shares_below",
+    "sobol_indices",
+    "why_no_indices",
+]
+
+LEVELS = (0.05, 0.5, 0.95)
+"""Shares of the cases that lie below the quantiles that are told."""
 
 HARMONICS = 10
 """Harmonics of RBD-FAST: the number of its authors and of SALib."""
@@ -175,3 +194,119 @@ def _problem(table: SweepTable) -> dict[str, object]:
         "names": [axis.keys[0] for axis in table.axes],
         "bounds": [[0.0, 1.0]] * len(table.axes),
     }
+
+
+def effect(table: SweepTable, response: Response, axis: Varied) -> tuple[Array, Array]:
+    """Return the main effect of a parameter: values of it, and mean, least and largest response.
+
+    Of a grid the mean is over all other parameters: over those combinations of them of which every
+    value of this one has an answer, so that failed cases do not pass for an effect. If there are
+    none, it is over those that the most values of this one share, and of these values alone. Where
+    no two cases that have an answer differ in this parameter alone, there is no effect to be told.
+    One at a time there is one case for each value.
+
+    Parameters
+    ----------
+    table : SweepTable
+        A grid, or one at a time.
+    response, axis : Response, Varied
+        One of its responses, and of what varied.
+
+    Returns
+    -------
+    levels : (n,) ndarray
+        Values of the parameter, in rising order.
+    found : (3, n) ndarray
+        Mean, least and largest response; NaN for a value without one to compare.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+    place = table.axes.index(axis)
+    if table.groups:
+        chosen = list(table.groups[place])
+        order = np.argsort(axis.values[chosen], kind="stable")
+        values = response.values[chosen][order]
+        return axis.values[chosen][order], np.stack([values] * 3)
+    grid = np.moveaxis(response.values.reshape(table.shape), place, 0)
+    rows = grid.reshape(len(grid), -1)
+    shared = _shared(np.isfinite(rows))
+    rows = rows[:, np.isfinite(rows[shared]).all(axis=0)]
+    at = np.moveaxis(axis.values.reshape(table.shape), place, 0).reshape(len(grid), -1)[:, 0]
+    order = np.argsort(at, kind="stable")
+    found = np.full((3, len(rows)), np.nan)
+    for row in np.flatnonzero(shared[order]):
+        values = rows[order[row]]
+        found[:, row] = values.mean(), values.min(), values.max()
+    return at[order], found
+
+
+def _shared(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which values can be compared: the most that have an answer with all else the same.
+
+    Parameters
+    ----------
+    known : (n, m) array of bool
+        Which cases have an answer, by value and by combination of all else.
+
+    Returns
+    -------
+    (n,) array of bool
+        None of them if there are not two to compare; of several such sets the one that the most
+        combinations have.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    count = known.sum(axis=0)
+    if count.max(initial=0) < min(2, len(known)):
+        return np.zeros(len(known), dtype=bool)
+    sets = np.unique(known[:, count == count.max()], axis=1).T
+    return np.asarray(max(sets, key=lambda one: np.count_nonzero(known[one].all(axis=0))))
+
+
+def shares_below(values: Array, weights: Array | None = None) -> tuple[Array, Array]:
+    """Return the values that are there in rising order, and the share at which each stands.
+
+    Parameters
+    ----------
+    values : (cases,) ndarray
+        A response, NaN where there is none.
+    weights : (cases,) ndarray, optional
+        What each case counts, above 0; all alike if left out.
+
+    Returns
+    -------
+    values, shares : (n,) ndarray
+        The values, and the middle of the share of each [-].
+    """
+    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
+
+    there = np.isfinite(values)
+    found = values[there]
+    order = np.argsort(found, kind="stable")
+    counted = np.ones(len(found)) if weights is None else weights[there][order]
+    below = np.cumsum(counted)
+    # No case, no sum to divide by.
+    return found[order], (below - counted / 2) / (below[-1] if below.size else 1.0)
+
+
+def quantiles(
+    values: Array, levels: Sequence[float] = LEVELS, weights: Array | None = None
+) -> Array:
+    """Return quantiles of a response over the cases that have it; NaN if none has.
+
+    Parameters
+    ----------
+    values : (cases,) ndarray
+        The response, NaN where there is none.
+    levels : sequence of float
+        Shares that lie below. What is nearer to 0 or 1 than half a case is the smallest or the
+        largest value: nothing is extrapolated.
+    weights : (cases,) ndarray, optional
+        What each case counts, above 0; all alike if left out.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see above
+
+    found, shares = shares_below(values, weights)
+    if found.size == 0:
+        return np.full(len(levels), np.nan)
+    return np.interp(levels, shares, found)
