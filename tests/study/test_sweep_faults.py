@@ -25,9 +25,8 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.engine.files import canonical, digest
 from fibermelt.errors import StoreError
-from fibermelt.sweeps.progress import read_progress
 from fibermelt.sweeps.status import sweep_status
-from fibermelt.sweeps.store import CaseStore
+from fibermelt.sweeps.store import CaseStore, read_progress
 
 TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
 """Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""

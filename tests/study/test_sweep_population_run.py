@@ -11,11 +11,10 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.engine.parts import Chain, Part
 from fibermelt.engine.stages import Stage
+from fibermelt.sweeps.analysis import LEVELS, quantiles
 from fibermelt.sweeps.collect import collect_sweep
 from fibermelt.sweeps.distributions import Truncated, Weibull
-from fibermelt.sweeps.quantiles import LEVELS, quantiles
-from fibermelt.sweeps.record import restored
-from fibermelt.sweeps.store import CaseStore
+from fibermelt.sweeps.store import CaseStore, restored
 
 SAMPLES, RATE = 64, 2.0
 SWEPT = f"""preset = "paper"

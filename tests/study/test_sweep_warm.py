@@ -11,20 +11,19 @@ from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.engine.loading import load_study
-from fibermelt.engine.stages import Neighbour, Parameters, stage_parameters
+from fibermelt.engine.stages import Parameters, stage_parameters
 from fibermelt.engine.store import Store
-from fibermelt.parts.flow.stages import flow_from, flow_stage
+from fibermelt.parts.flow.stages import flow_scaled, flow_stage
 from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.chain import CHAIN
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
-from fibermelt.sweeps.record import restored
 from fibermelt.sweeps.runner import run_sweep
 from fibermelt.sweeps.status import sweep_status
-from fibermelt.sweeps.store import CaseStore
+from fibermelt.sweeps.store import CaseStore, restored
 
 GAPS = (3.0, 3.9, 5.0, 6.4)
-"""Each within reach of the next only: the second is the root, and one way has two steps [mm]."""
+"""Each within reach of the next only: two start from the second, the last is from cold [mm]."""
 
 SWEPT = f"""preset = "paper"
 study.parts = ["bead"]
@@ -58,21 +57,13 @@ def undisturbed(tmp_path_factory):
     return study, folder / "out"
 
 
-def test_the_tree_is_followed(undisturbed):
-    """The trace of a flow tells its own gap, and in its digits those before it [m]."""
+def test_flows_start_from_whom_is_planned(undisturbed):
+    """The trace of a flow tells its own gap, and in its digits that which it started from [m]."""
     study, out = undisturbed
     jobs = planned(study)
     by_key = {job.key: gap for gap, job in jobs.items()}
-    assert sorted(1 if job.neighbour else 0 for job in jobs.values()) == [0, 1, 1, 1]
-    expected = []
-    for gap in sorted(jobs):
-        trace, weight, here = 0.0, 1.0, gap
-        while True:
-            trace, weight = trace + weight * here, weight * 1e-2
-            if not jobs[here].neighbour:
-                break
-            here = by_key[jobs[here].neighbour]
-        expected.append(trace)
+    assert sorted(1 if job.neighbour else 0 for job in jobs.values()) == [0, 0, 1, 1]
+    expected = [gap + 1e-2 * by_key.get(jobs[gap].neighbour, 0.0) for gap in sorted(jobs)]
     np.testing.assert_allclose(traces(out), expected, rtol=1e-14)
 
 
@@ -100,7 +91,8 @@ def test_flows_whose_neighbour_is_finished_with_need_it_still(tmp_path, undistur
     """The numbers of the root's cases are there, its flow is not: it is computed for the others."""
     study, whole = undisturbed
     first, out = tmp_path / "first.toml", tmp_path / "out"
-    (root,) = (gap for gap, job in planned(study).items() if not job.neighbour)
+    jobs = planned(study)
+    (root,) = (gap for gap, job in jobs.items() if job.key in {o.neighbour for o in jobs.values()})
     first.write_text(SWEPT.replace(str([f"{gap} mm" for gap in GAPS]), f"[{root}]"))
     fake_sweeps.sweep(first, out)
     shutil.rmtree(*out.glob("stages/flow-*"))
@@ -115,13 +107,9 @@ def test_a_torn_neighbour_is_mended_first(tmp_path, undisturbed, cases_left):
     shutil.copytree(whole, tmp_path / "out")
     out = tmp_path / "out"
     jobs = planned(study)
-    deepest = next(
-        job
-        for job in jobs.values()
-        if any(o.key == job.neighbour and o.neighbour for o in jobs.values())
-    )
-    shutil.rmtree(out / "stages" / f"flow-{deepest.key[:20]}")
-    for key in {deepest.neighbour, *(job.neighbour for job in jobs.values())} - {""}:
+    warm = next(job for job in jobs.values() if job.neighbour)
+    shutil.rmtree(out / "stages" / f"flow-{warm.key[:20]}")
+    for key in {job.neighbour for job in jobs.values()} - {""}:
         data = out / "stages" / f"flow-{key[:20]}" / "data.nc"
         data.write_bytes(data.read_bytes()[:-7])
     if not cases_left:
@@ -178,9 +166,11 @@ def test_a_plan_tells_how_flows_start(tmp_path, options):
     study = str(fake_sweeps.study_file(tmp_path, SWEPT))
     printed = CliRunner().invoke(app, ["plan", study, "--out", str(tmp_path / "out"), *options])
     assert printed.exit_code == 0
-    told = "1 from cold, 3 from a neighbour, 0 scaled from one; 3 one after the other"
+    told = "2 from cold, 2 from a neighbour"
     assert (told in " ".join(printed.stdout.split())) is not bool(options)
 
+
+(FLOW,) = (stage for stage in CHAIN.stages if stage.name == "flow")
 
 SWEEP = """
 [sweep]
@@ -207,19 +197,18 @@ def real(tmp_path_factory):
 
 
 def stored(real, kind):
-    """Return the parameters and the data of a flow that was computed in some way."""
+    """Return the parameters of a flow that was computed in some way, and its data as stored."""
     study, out = real
-    (stage,) = (stage for stage in CHAIN.stages if stage.name == "flow")
     jobs = plan_sweep(read_sweep(study), study, CHAIN).jobs.values()
-    job = next(job for job in jobs if job.kind == kind)
+    (job,) = (job for job in jobs if job.kind == kind)
     store = Store.open(out)
     values = {**values_of(study.config), **job.case.changes}
-    return stage_parameters(stage, values), store.load(store.find("flow", job.key))
+    return stage_parameters(FLOW, values), store.load(store.find("flow", job.key))
 
 
 def test_a_flow_from_a_neighbour_ends_within_its_error_in_fewer_steps(real):
     parameters, found = stored(real, "flow from a neighbour")
-    expected = flow_stage(parameters, {}, lambda line: None)
+    expected = flow_stage(flow_scaled(parameters).reference, {}, lambda line: None)
     for name in ("contact_point", "heel", "inlet_pressure"):
         assert abs(found[name] - expected[name]) <= expected[f"{name}_error"], name
     assert found["contact_point"] != expected["contact_point"]
@@ -234,13 +223,11 @@ def test_a_flow_of_another_melt_is_as_good_as_solved(real):
     """Shape and velocity agree to the last bit, the rest to rounding: sums in threads' order."""
     other, data = stored(real, "flow")
     one = Parameters({**other, "law.viscosity": 123.0})
-    said = []
-    scaled, is_from_it = flow_from(one, {}, said.append, Neighbour(other, data))
-    assert is_from_it
-    assert said == ["the same flow of another melt, or faster: scaled"]
+    scaled = flow_scaled(one).of(data)
     expected = flow_stage(one, {}, lambda line: None)
     assert set(scaled.variables) == set(expected.variables)
     for name, variable in expected.variables.items():
+        assert scaled[name].attrs == variable.attrs
         if name in EXACT:
             np.testing.assert_array_equal(scaled[name].values, variable.values)
         else:
@@ -249,16 +236,15 @@ def test_a_flow_of_another_melt_is_as_good_as_solved(real):
 
 
 def test_real_flows_are_found_again_alike(tmp_path, real):
-    """All flows but the one that comes last in the tree are gone: others are finished first."""
+    """The flow that others start from is gone, and that of another is there."""
     study, whole = real
     out = tmp_path / "out"
     shutil.copytree(whole, out)
-    plan = plan_sweep(read_sweep(study), study, CHAIN)
-    flows = [job for job in plan.jobs.values() if job.stage == "flow"]
-    last = max(flows, key=lambda job: plan.level(job.key))
-    assert plan.level(last.key) == 2
+    jobs = plan_sweep(read_sweep(study), study, CHAIN).jobs.values()
+    flows = [job for job in jobs if job.stage == "flow"]
+    assert len(flows) == 2  # two gaps: another melt's is the same
     for job in flows:
-        if job is not last:
+        if not job.neighbour:
             shutil.rmtree(out / "stages" / f"flow-{job.key[:20]}")
     for batch in out.glob("cases/batch-*"):
         batch.unlink()

@@ -8,8 +8,8 @@ import xarray as xr
 from fibermelt.engine.loading import load_study
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.paper.claims.judge import claims
-from fibermelt.sweeps.cost import Computed, Progress, StageCost
 from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.status import Computed, Progress, StageCost
 
 GAP, SPEED, VISCOSITY = "flow.gap", "flow.bed_speed", "melt.viscosity"
 

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fibermelt.engine.execution import execute
 from fibermelt.engine.loading import resolve
-from fibermelt.engine.stages import Neighbour, stage_parameters
+from fibermelt.engine.stages import Neighbour, keys
 from fibermelt.errors import ConvergenceError
 from fibermelt.parts.melt.melt import values_of
 from fibermelt.parts.variables import VARIABLES, labelled
 from fibermelt.study.chain import CHAIN
 
 VALUES = values_of(resolve({}))
+KEYS = keys(CHAIN.stages, VALUES)
 WIDTH = VALUES["flow.capillary_width"]
 SHEAR = np.array([[0.0, 4.0], [0.0, 0.0]])
 
@@ -95,7 +97,7 @@ def _begun(name, data, **values):
     (stage,) = (one for one in CHAIN.stages if one.name == name)
     found = labelled(data)
     done = replace(stage, compute=lambda *given: found, compute_from=None)
-    begun, _ = done.begin(stage_parameters(stage, {**VALUES, **values}), {}, print, None)
+    _, begun = execute(done, {**VALUES, **values}, KEYS, {}, print)
     return begun
 
 
@@ -120,9 +122,8 @@ def test_what_comes_from_a_neighbour_is_held_to_the_same():
     (stage,) = (one for one in CHAIN.stages if one.name == "flow")
     bad = labelled({**GOOD["flow"], "heel_error": WIDTH})
     done = replace(stage, compute_from=lambda *given: (bad, True))
-    parameters = stage_parameters(stage, VALUES)
     with pytest.raises(ConvergenceError, match="heel_error"):
-        done.begin(parameters, {}, print, Neighbour(parameters, bad, "key"))
+        execute(done, VALUES, KEYS, {}, print, Neighbour("key", bad))
 
 
 def test_every_estimated_error_that_is_stored_has_a_bound():

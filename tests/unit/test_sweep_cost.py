@@ -6,11 +6,10 @@ import xarray as xr
 from fibermelt.engine.loading import load_study
 from fibermelt.engine.store import Record, Store
 from fibermelt.study.chain import CHAIN
-from fibermelt.sweeps.cost import estimate
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
-from fibermelt.sweeps.progress import Progress, write_progress
-from fibermelt.sweeps.store import open_case_store
+from fibermelt.sweeps.status import estimate
+from fibermelt.sweeps.store import Progress, add_progress, open_case_store
 
 GAPS = """preset = "paper"
 [study]
@@ -19,7 +18,7 @@ parts = ["bead"]
 "flow.gap" = ["2.5 mm", "3 mm", "3.5 mm"]
 "melt.viscosity" = ["400 Pa s", "817 Pa s"]
 """
-"""Three gaps are solved, one from cold and two from it; the other melt's flows are scaled."""
+"""Three gaps are solved, one from cold and two from it; those of the other melt are the same."""
 
 FLOW, LINES, CELL, CASE = 30.0, 4.0, 2.0, 0.5
 """Times [s] of a flow from cold, its streamlines, the fiber's cell, and the numbers of a case."""
@@ -33,7 +32,7 @@ def planned(tmp_path):
     store = Store.open(out)
     for stage, cost in (("flow", FLOW), ("streamlines", LINES), ("cell", CELL)):
         store.save(Record(stage, 1, "f" * 64, {}, {}, cost, "", {}), xr.Dataset())
-    write_progress(open_case_store(out), Progress(cases=2, cases_s=2 * CASE))
+    add_progress(open_case_store(out), Progress(cases=2, cases_s=2 * CASE))
     return plan_sweep(read_sweep(study), study, CHAIN), out
 
 

@@ -9,9 +9,8 @@ from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, mad
 from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.sweep.figures import effects_words, sweep_effects, sweep_plates
+from fibermelt.sweeps.analysis import effect, sobol_indices
 from fibermelt.sweeps.design import read_sweep
-from fibermelt.sweeps.effects import effect
-from fibermelt.sweeps.indices import sobol_indices
 from fibermelt.sweeps.responses import responses_of
 from fibermelt.sweeps.table import sweep_table
 

@@ -9,14 +9,13 @@ from types import SimpleNamespace
 
 import pytest
 from distributed import KilledWorker
-from fibermelt.sweep import schedulers
 from patience import PATIENCE
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.errors import ConfigError, FibermeltError
-from fibermelt.sweeps.cluster import Cluster, Died
-from fibermelt.sweeps.pools import MOST_PER_CORE, cores, open_pool
+from fibermelt.sweeps import pools
+from fibermelt.sweeps.pools import MOST_PER_CORE, Cluster, Died, cores, open_pool
 
 
 @pytest.mark.parametrize("address", ["foo://x", "tcp://", "tcp://host", "tcp://host:port"])
@@ -84,7 +83,7 @@ def listening(answer):
     ids=["silent", "http", "ssh"],
 )
 def test_another_service_is_no_scheduler(tmp_path, monkeypatch, answer, limit, said):
-    monkeypatch.setattr(schedulers, "CONNECT", limit)
+    monkeypatch.setattr(pools, "CONNECT", limit)
     message = rf"--scheduler \S+: does not answer as a scheduler does \({said}\): start one"
     with (
         listening(answer) as address,
@@ -95,7 +94,7 @@ def test_another_service_is_no_scheduler(tmp_path, monkeypatch, answer, limit, s
 
 
 def test_a_worker_of_dask_is_no_scheduler(tmp_path, monkeypatch):
-    monkeypatch.setattr(schedulers, "_kind_of", lambda address: "Worker")
+    monkeypatch.setattr(pools, "_kind_of", lambda address: "Worker")
     with (
         pytest.raises(ConfigError, match="is the address of a Worker of dask, not of its sched"),
         open_pool(None, "tcp://127.0.0.1:8786", tmp_path),
@@ -125,7 +124,7 @@ class Failing:
         call(self)
 
 
-@pytest.mark.parametrize("error", schedulers.GONE)
+@pytest.mark.parametrize("error", pools.GONE)
 def test_a_scheduler_that_goes_while_it_is_asked_is_gone(tmp_path, error):
     """For the number of its workers, or for what a task has found."""
     pool = Cluster(Failing(error("Stream is closed")), "tcp://host:8786", tmp_path)

@@ -4,15 +4,14 @@ import threading
 
 import pytest
 
-from fibermelt.sweeps.progress import Progress, add_progress, read_progress, write_progress
-from fibermelt.sweeps.store import open_case_store
+from fibermelt.sweeps.store import Progress, add_progress, open_case_store, read_progress
 
 CLIENTS, TIMES = 4, 8
 
 
 def test_what_several_count_at_once_is_added_up(tmp_path):
     cases = open_case_store(tmp_path / "out")
-    write_progress(cases, Progress(cases=5, cases_s=2.5, software={"numpy": "1"}))
+    add_progress(cases, Progress(cases=5, cases_s=2.5, software={"numpy": "1"}))
     news = Progress(wall_s=3.0, reused_stages=2, cases=1, cases_s=0.25, cases_processor_s=0.125)
 
     def work():

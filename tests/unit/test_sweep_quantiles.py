@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy import integrate
 from swept_cases import made_up
 
+from fibermelt.sweeps.analysis import LEVELS, quantiles, shares_below
 from fibermelt.sweeps.distributions import Truncated, Weibull
-from fibermelt.sweeps.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.sweeps.table import sweep_table
 
 VISCOSITY, RATE = 817.0, 1.0

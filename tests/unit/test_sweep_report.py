@@ -22,7 +22,7 @@ from fibermelt.paper.claims.of_sweeps import swept_claims
 from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.words import varied_told
-from fibermelt.sweeps.descriptions import distribution_told
+from fibermelt.sweeps.axes import distribution_told
 from fibermelt.sweeps.table import sweep_table
 
 PARABOLA = next(one for one in claims() if one.id == "parabola")

@@ -9,7 +9,7 @@ import pytest
 
 from fibermelt.engine.files import has_dead_maker, made_name
 from fibermelt.errors import StoreError
-from fibermelt.sweeps.scratch import PREFIX, scratch_folder
+from fibermelt.sweeps.pools import PREFIX, scratch_folder
 
 
 @pytest.fixture

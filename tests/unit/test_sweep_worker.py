@@ -4,7 +4,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
-from fibermelt.sweep import worker
+from fibermelt.sweeps import worker
 
 
 def test_a_process_does_one_task_at_a_time(monkeypatch):

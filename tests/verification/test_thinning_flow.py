@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from fibermelt.errors import ConfigError
 from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
-from fibermelt.flow.rescale import rescaled, scaled_constants
 from fibermelt.flow.streamlines import trace_streamlines
-from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
+from fibermelt.melt import CarreauYasuda, PowerLaw, ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
 from fibermelt.verify.flow import line_flux
 
@@ -95,40 +91,6 @@ def test_an_index_of_nearly_one_is_newtonian(coarse_flow: FlowSolution) -> None:
     # 1e-7 of index is 3e-7 of viscosity at the flow's rates
     assert found.contact_point == pytest.approx(coarse_flow.contact_point, abs=1e-9)
     assert found.inlet_pressure == pytest.approx(coarse_flow.inlet_pressure, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("law", "speed"),
-    [
-        pytest.param(THINNING.melt.scaled(viscosity=0.1), 1.0, id="all viscosities by a factor"),
-        pytest.param(THINNING.melt.scaled(time=0.5), 2.0, id="speeds and time constant together"),
-    ],
-)
-def test_what_scales_exactly(law: ViscosityLaw, speed: float, thinning_flow: FlowSolution) -> None:
-    problem = replace(
-        THINNING,
-        melt=law,
-        inlet_speed=speed * THINNING.inlet_speed,
-        bed_speed=speed * THINNING.bed_speed,
-    )
-    assert scaled_constants(problem) == scaled_constants(THINNING)
-    coarse = solve_deposition(THINNING, COARSE)
-    solved, scaled = solve_deposition(problem, COARSE), rescaled(coarse, problem)
-    assert scaled.contact_point == pytest.approx(solved.contact_point, rel=1e-9)
-    assert scaled.inlet_pressure == pytest.approx(solved.inlet_pressure, rel=1e-9)
-    np.testing.assert_allclose(
-        scaled.field.viscosity, problem.melt.viscosity_at(scaled.field.shear_rate), rtol=1e-9
-    )
-
-
-def test_what_does_not_scale_is_refused(coarse_flow: FlowSolution) -> None:
-    faster = replace(
-        THINNING, inlet_speed=2 * THINNING.inlet_speed, bed_speed=2 * THINNING.bed_speed
-    )
-    assert scaled_constants(faster) != scaled_constants(THINNING)
-    with pytest.raises(ConfigError, match="the melt thins otherwise at its rates"):
-        rescaled(coarse_flow, faster)
-    assert scaled_constants(Deposition(Nozzle(), Newtonian(1.0))) == ("Newtonian",)
 
 
 @pytest.mark.slow

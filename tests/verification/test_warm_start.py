@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,6 @@ from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.deposition import LARGEST_ERROR, FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
-from fibermelt.flow.rescale import rescaled
 from fibermelt.flow.search import SurfaceSearch, _chords_end
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.melt import Newtonian
@@ -154,32 +151,6 @@ def test_a_start_is_read_from_a_stored_flow(coarse_flow: FlowSolution) -> None:
     assert start.capillary_width == pytest.approx(3.175e-3, rel=1e-12)
     assert start.gap == pytest.approx(3e-3, rel=1e-12)
     assert start.bead_height == coarse_flow.bead_height
-
-
-@pytest.mark.parametrize(("viscosity", "faster"), [(5000.0, 1.0), (817.0, 0.25), (300.0, 1.7)])
-def test_another_melt_or_faster_speeds_need_no_solve(
-    coarse_flow: FlowSolution, viscosity: float, faster: float
-) -> None:
-    one = _problem()
-    speeds = {"inlet_speed": faster * one.inlet_speed, "bed_speed": faster * one.bed_speed}
-    problem = replace(one, melt=Newtonian(viscosity), **speeds)
-    solved, scaled = solve_deposition(problem, COARSE), rescaled(coarse_flow, problem)
-    assert scaled.problem == solved.problem
-    # a ratio of speeds that rounds otherwise moves the surfaces by as much
-    np.testing.assert_allclose(scaled.field.points, solved.field.points, rtol=0, atol=1e-13)
-    for name in ("velocity", "gradient", "stream_function", "pressure"):
-        ours, theirs = getattr(scaled.field, name), getattr(solved.field, name)
-        # a projection's loads are summed in the order in which threads come: rounding
-        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-11 * np.abs(theirs).max())
-    assert scaled.inlet_pressure == pytest.approx(solved.inlet_pressure, rel=1e-11)
-    assert scaled.error.inlet_pressure == pytest.approx(solved.error.inlet_pressure, rel=1e-7)
-
-
-def test_another_shape_does_not_scale(coarse_flow: FlowSolution) -> None:
-    one = _problem()
-    for other in (replace(one, bed_speed=2 * one.bed_speed), _problem(gap=3.1e-3)):
-        with pytest.raises(ConfigError, match=r"scales to another melt and to faster speeds only"):
-            rescaled(coarse_flow, other)
 
 
 def test_a_wide_gap_is_reached_in_steps() -> None:
