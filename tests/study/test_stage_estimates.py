@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.stages import Neighbour, stage_parameters
 from fibermelt.errors import ConvergenceError
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.parts.variables import VARIABLES, labelled
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import resolve
 
-VALUES = values_of(resolve({}))
+VALUES = resolve({}).values()
 WIDTH = VALUES["flow.capillary_width"]
 SHEAR = np.array([[0.0, 4.0], [0.0, 0.0]])
 

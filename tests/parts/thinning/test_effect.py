@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fibermelt.engine.loading import resolve
 from fibermelt.errors import ConfigError
 from fibermelt.parts.thinning.figures import figure_thinning, thinning, thinning_words
 from fibermelt.parts.thinning.stages import CAUSES, EFFECT_PARAMETERS
 from fibermelt.parts.thinning.summary import summarize_thinning, thinning_in_words
 from fibermelt.parts.variables import labelled
+from fibermelt.study.loading import resolve
 from fibermelt.voids import ATMOSPHERE
 
 INDICES = [1.0, 0.5, 0.25]

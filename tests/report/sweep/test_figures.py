@@ -6,9 +6,9 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
-from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.sweep.figures import effects_words, sweep_effects, sweep_plates
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.effects import effect
 from fibermelt.sweeps.indices import sobol_indices
