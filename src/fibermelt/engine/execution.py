@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING
 
+from fibermelt.engine.named import named
 from fibermelt.engine.stages import Inputs, Neighbour, Say, Stage, refuse_beyond, stage_parameters
 from fibermelt.engine.store import Record
 from fibermelt.software import versions_of
@@ -55,15 +56,15 @@ def execute(
     from threadpoolctl import threadpool_limits  # noqa: PLC0415  lazy: what is stored needs none
 
     parameters = stage_parameters(stage, values)
-    scaled = stage.scaled(parameters)
+    scaled = stage.multiple(parameters)
     began, busy = time.perf_counter(), time.process_time()
     # Stages do much small algebra: threads of a BLAS that wait cost more than they bring.
     with threadpool_limits(limits=1, user_api="blas"):
         if stage.compute_from is None or start is None:
-            data, is_from_it = stage.compute(scaled.reference, inputs, say), False
+            data, is_from_it = named(stage.compute)(scaled.reference, inputs, say), False
         else:
-            data, is_from_it = stage.compute_from(scaled.reference, inputs, say, start)
-        refuse_beyond(stage.name, stage.estimates(parameters, scaled.of(data)))
+            data, is_from_it = named(stage.compute_from)(scaled.reference, inputs, say, start)
+        refuse_beyond(stage.name, named(stage.estimates)(parameters, scaled.of(data)))
     record = Record(
         stage=stage.name,
         version=stage.version,

@@ -24,11 +24,11 @@ __all__ = [
     "refuse_without_effect",
 ]
 
+SETTINGS = ("design", "samples", "seed", "weight")
+"""Keys of a table ``[sweep]`` that are no parameters."""
+
 DEEPEST_KEY = 10
 """Parts of an overriding key that are read; no parameter has more than two."""
-
-SETTINGS = ("design", "samples", "seed", "weight")
-"""Keys of the table ``[sweep]`` that are no parameters."""
 
 Key = tuple[str, ...]
 """A key, in its parts."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.execution import execute, software_versions
 from fibermelt.engine.files import canonical, digest, write_through
+from fibermelt.engine.named import named
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import is_published, publish
 from fibermelt.engine.parts import Chain
@@ -21,15 +22,13 @@ from fibermelt.engine.stages import Say, Stage, keys, stage_parameters
 from fibermelt.engine.store import Record, Store, stage_name
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import DamagedError, legible
-from fibermelt.parts.melt.melt import values_of
-from fibermelt.study.notes import study_notes
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parameters import Value
-    from fibermelt.study.config import Config
+    from fibermelt.engine.tables import Tables
 
 __all__ = ["DrawFigures", "WriteReport", "run_study", "summarize"]
 
@@ -93,23 +92,23 @@ def run_study(
         store.discard_if_empty()
 
 
-def summarize(results: xr.Dataset, config: Config, chain: Chain) -> dict[str, Any]:
+def summarize(results: xr.Dataset, config: Tables, chain: Chain) -> dict[str, Any]:
     """Return what summary.json says of results, but for what they cost.
 
     Parameters
     ----------
     results : xarray.Dataset
         As in results.nc.
-    config : Config
+    config : Tables
         The study that they are of.
     chain : Chain
         What it went through.
     """
     summary: dict[str, Any] = {"schema": SCHEMA}
-    if notes := study_notes(config):
+    if notes := config.notes():
         summary["notes"] = notes
     for part in chain.asked(config.study.parts):
-        summary |= part.summarize(results)
+        summary |= named(part.summarize)(results)
     return summary
 
 
@@ -125,7 +124,7 @@ class _Run:
     began: float
 
     def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
-        values = values_of(self.study.config)
+        values = self.study.config.values()
         stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
         key = self._key(values, stage_keys)
@@ -152,7 +151,7 @@ class _Run:
                 # What is damaged is not in what was found: it makes room, as all does afresh.
                 record = store.save(record, stored, replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
-            data[stage.name] = stage.scaled(stage_parameters(stage, values)).of(stored)
+            data[stage.name] = stage.multiple(stage_parameters(stage, values)).of(stored)
             cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
 
@@ -208,6 +207,9 @@ class _Run:
             "config": config,
             "software": json.dumps(software_versions()),
         }
+        for part in self.chain.parts:
+            if part.attributes:
+                results.attrs |= named(part.attributes)(self.study.config)
         parts = self.chain.asked(self.study.config.study.parts)
         summary = {**summarize(results, self.study.config, self.chain), "cost": dict(cost)}
 
@@ -215,7 +217,7 @@ class _Run:
             write_through(folder / "config.toml", config.encode())
             write_through(folder / "results.nc", to_bytes(results))
             for part in parts:
-                part.write_fields(results, folder)
+                named(part.write_fields)(results, folder)
             start = time.perf_counter()
             (folder / "figures").mkdir()
             if self.draw is not None:

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import canonical, digest
+from fibermelt.engine.named import named
 from fibermelt.errors import ConvergenceError
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ __all__ = [
     "Say",
     "Scaled",
     "Stage",
+    "always",
     "keys",
     "refuse_beyond",
     "stage_parameters",
@@ -148,6 +150,11 @@ def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     return ()
 
 
+def always(values: Mapping[str, Value]) -> bool:
+    """Tell that a stage costs less than to store it: milliseconds, or megabytes."""
+    return True
+
+
 def _never(values: Mapping[str, Value]) -> bool:
     """Return that a stage costs more to compute than to store, as most do."""
     return False
@@ -167,8 +174,8 @@ class Stage:
         What it reads: keys (``numerics.cell_order``) or whole tables (``flow``).
     inputs : tuple of str
         Names of the stages that it is fed; they come before it in the chain.
-    compute : callable
-        Does it.
+    compute : callable or str
+        Does it; as a text its address (`fibermelt.engine.named`), loaded when it is needed.
     told_with : str
         Another stage under whose name its cost is told, in the summary.
     inputs_if : callable, optional
@@ -191,18 +198,23 @@ class Stage:
     version: int
     parameters: tuple[str, ...]
     inputs: tuple[str, ...]
-    compute: Compute
+    compute: Compute | str
     told_with: str = ""
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
-    compute_from: ComputeFrom | None = None
-    scaled: Callable[[Parameters], Scaled] = Scaled
-    estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] = _no_estimates
+    compute_from: ComputeFrom | str | None = None
+    scaled: Callable[[Parameters], Scaled] | str = Scaled
+    estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] | str = _no_estimates
 
     @property
     def heading(self) -> str:
         """Return the name under which its cost is told."""
         return self.told_with or self.name
+
+    def multiple(self, parameters: Parameters) -> Scaled:
+        """Return the result of which its own is a multiple."""
+        found: Scaled = named(self.scaled)(parameters)
+        return found
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:
         """Return the names of the stages that it is fed in a resolved study."""
@@ -269,7 +281,7 @@ def keys(stages: Sequence[Stage], values: Mapping[str, Value]) -> dict[str, str]
     found: dict[str, str] = {}
     fed: dict[str, str] = {}
     for stage in stages:
-        scaled = stage.scaled(stage_parameters(stage, values))
+        scaled = stage.multiple(stage_parameters(stage, values))
         content = {
             "stage": stage.name,
             "version": stage.version,

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import canonical, digest
 from fibermelt.engine.stages import keys, stage_parameters
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.sweeps.collection import COLLECTION
 
 if TYPE_CHECKING:
@@ -171,13 +170,13 @@ def plan_sweep(sweep: Sweep, study: Study, chain: Chain) -> Plan:
     ConfigError
         If a case is no valid study.
     """
-    base = values_of(study.config)
+    base = study.config.values()
     parts = study.config.study.parts
     cases: list[PlannedCase] = []
     needed: dict[str, tuple[Stage, ...]] = {}
     users: dict[str, set[str]] = {}
     for case in sweep.stream():
-        values = values_of(case.config)
+        values = case.config.values()
         stages = chain.needed(parts, values)
         found = {name: sys.intern(key) for name, key in keys(stages, values).items()}
         last = _last(stages, values)
@@ -207,7 +206,7 @@ def _warmed(base: Mapping[str, Value], jobs: Mapping[str, Job], chain: Chain) ->
         if stage.compute_from is None or len(mine) < 2:
             continue
         read = [
-            stage.scaled(stage_parameters(stage, {**base, **job.case.changes})).reference
+            stage.multiple(stage_parameters(stage, {**base, **job.case.changes})).reference
             for job in mine
         ]
         for job, place in zip(mine, neighbours(read), strict=True):

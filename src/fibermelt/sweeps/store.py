@@ -31,10 +31,11 @@ from fibermelt.engine.files import (
     storage_errors,
     write_sealed,
 )
-from fibermelt.engine.loading import Study, resolve
+from fibermelt.engine.loading import Study
 from fibermelt.engine.schema import SCHEMA, is_ours, no_folder
 from fibermelt.engine.store import KEY_LENGTH, Store, stage_name
 from fibermelt.errors import DamagedError, StoreError
+from fibermelt.study.loading import resolve
 from fibermelt.sweeps.collection import Batch
 from fibermelt.sweeps.design import Sweep, read_sweep
 

@@ -254,7 +254,7 @@ class _Worker:
     def _scaled(self, name: str, values: Mapping[str, Value]) -> Scaled:
         """Return of which stored result that of a stage is a multiple."""
         stage = self._stages[name]
-        return stage.scaled(stage_parameters(stage, values))
+        return stage.multiple(stage_parameters(stage, values))
 
     def _data(self, name: str, case: PlannedCase, values: Mapping[str, Value]) -> _Held:
         """Return the data of a stage, in the case's own scale."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say, Scaled
+from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.melt.melt import LAW, NEWTONIAN, law_of, thins
 from fibermelt.parts.variables import labelled
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from fibermelt.flow.start import StartShape
 
 __all__ = [
-    "FLOW_NUMERICS",
     "flow_estimates",
     "flow_from",
     "flow_scaled",
@@ -32,19 +32,6 @@ __all__ = [
     "streamlines_stage",
     "write_fields",
 ]
-
-FLOW_NUMERICS = {
-    "numerics.flow_order": "order",
-    "numerics.lip_edge": "lip_edge",
-    "numerics.contact_edge": "contact_edge",
-    "numerics.corner_edge": "corner_edge",
-    "numerics.surface_edge": "surface_edge",
-    "numerics.bulk_edge": "bulk_edge",
-    "numerics.edge_growth": "growth",
-    "numerics.flow_tolerance": "tolerance",
-    "numerics.contact_guess": "contact_guess",
-}
-"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
 
 SCALARS = (
     "bead_height",
