@@ -12,12 +12,12 @@ from scipy import integrate
 from swept_cases import made_up
 
 from fibermelt.sweeps.analysis import LEVELS, quantiles, shares_below
-from fibermelt.sweeps.distributions import Truncated, Weibull
+from fibermelt.sweeps.distributions import Distribution
 from fibermelt.sweeps.table import sweep_table
 
 VISCOSITY, RATE = 817.0, 1.0
 
-POPULATION = Truncated(Weibull(7.0, 2.0), 1.0, 50.0)
+POPULATION = Distribution("Weibull", (7.0, 2.0), (1.0, 50.0))
 TABLE = (
     '"fiber.aspect_ratio" = {{ scale = 7, shape = 2, between = [1, 50] }}\n'
     'design = "{}"\nsamples = {}\nseed = {}\nweight = "fiber.aspect_ratio"\n'
@@ -101,7 +101,7 @@ def _error(design, size, seed):
 
     made = {"latin-hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[design]
     shares = made(d=1, rng=seed).random(size)[:, 0]
-    values = np.array([lowest({"fiber.aspect_ratio": POPULATION.at(u)}) for u in shares])
+    values = lowest({"fiber.aspect_ratio": POPULATION.at(shares)})
     return quantiles(values, (0.05,))[0] / exact(0.05) - 1
 
 

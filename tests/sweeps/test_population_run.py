@@ -13,7 +13,7 @@ from fibermelt.engine.parts import Chain, Part
 from fibermelt.engine.stages import Stage
 from fibermelt.sweeps.analysis import LEVELS, quantiles
 from fibermelt.sweeps.collect import collect_sweep
-from fibermelt.sweeps.distributions import Truncated, Weibull
+from fibermelt.sweeps.distributions import Distribution
 from fibermelt.sweeps.store import CaseStore, restored
 
 pytestmark = pytest.mark.end_to_end
@@ -58,7 +58,7 @@ def swept(tmp_path, monkeypatch):
 
 def test_a_population_is_run_collected_and_gone_on_with(swept):
     collected = collect_sweep(swept)
-    ratio = Truncated(Weibull(7.0, 2.0), 1.0, 50.0)
+    ratio = Distribution("Weibull", (7.0, 2.0), (1.0, 50.0))
     found = quantiles(collected["shear_lowest"].to_numpy())
     for level, value in zip(LEVELS, found, strict=True):
         # A Sobol sequence has one sample in each of 64 strata: one more or less bounds it.
