@@ -6,7 +6,7 @@ import pytest
 
 from fibermelt.engine.files import canonical, digest
 from fibermelt.engine.netcdf import from_bytes, to_bytes
-from fibermelt.engine.stages import keys, stage_parameters
+from fibermelt.engine.stages import Stage, keys, stage_parameters
 from fibermelt.engine.toml import defaults_toml
 from fibermelt.errors import StoreError
 from fibermelt.fiber.cell_data import CellNumerics
@@ -98,9 +98,10 @@ def test_stages_come_after_their_inputs():
         ("fiber.melt", {"motion", "voids", "claims"}),
         ("melt.temperature", {"voids"}),
         ("melt.density", {"voids"}),
+        # The flow itself is that of any Newtonian melt; who is fed it sees it in its own scale.
         (
             "law.viscosity",
-            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"flow", "streamlines"},
+            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"streamlines"},
         ),
         ("study.ladder", {"verification"}),
     ],
@@ -214,3 +215,14 @@ def test_a_table_that_varies_and_no_part_reads_is_told(tmp_path):
 @pytest.mark.parametrize("name", [name for name in preset_names() if load_study(name).sweep])
 def test_a_shipped_sweep_varies_what_is_read(name):
     assert CHAIN.unread(load_study(name)) == []
+
+
+def test_who_is_fed_a_flow_sees_its_scale():
+    """A stage that read nothing of the melt itself would else be taken for that of another."""
+    flow = next(stage for stage in CHAIN.stages if stage.name == "flow")
+    fed = Stage("fed", 1, ("flow.gap",), ("flow",), lambda *given: None)
+    one, other = (
+        keys((flow, fed), {**DEFAULTS, "law.viscosity": viscosity}) for viscosity in (817.0, 400.0)
+    )
+    assert one["flow"] == other["flow"]
+    assert one["fed"] != other["fed"]
