@@ -1,8 +1,9 @@
-"""The files of a sweep: whole or not there, without objects, locked while somebody is at them."""
+"""The files of a sweep: whole or not there, without objects, locked, and counted by several."""
 
 import errno
 import io
 import pickle
+import threading
 import zipfile
 from pathlib import Path
 
@@ -15,7 +16,14 @@ from hypothesis import strategies as st
 from fibermelt.engine.files import digest
 from fibermelt.errors import StoreError
 from fibermelt.sweeps.collection import Batch, Kept, reduce_results, stack
-from fibermelt.sweeps.store import CaseStore, Failure, open_case_store
+from fibermelt.sweeps.store import (
+    CaseStore,
+    Failure,
+    Progress,
+    add_progress,
+    open_case_store,
+    read_progress,
+)
 
 
 def kept(values, dimensions=(), units="Pa"):
@@ -231,3 +239,42 @@ def test_a_file_of_keys_without_numbers_is_no_batch():
     np.savez(buffer, key=np.array(["a"]))
     with pytest.raises(KeyError):
         Batch.from_bytes(buffer.getvalue())
+
+
+CLIENTS, TIMES = 4, 8
+
+
+def test_what_several_count_at_once_is_added_up(tmp_path):
+    cases = open_case_store(tmp_path / "out")
+    add_progress(cases, Progress(cases=5, cases_s=2.5, software={"numpy": "1"}))
+    news = Progress(wall_s=3.0, reused_stages=2, cases=1, cases_s=0.25, cases_processor_s=0.125)
+
+    def work():
+        for _ in range(TIMES):
+            add_progress(cases, news)
+
+    threads = [threading.Thread(target=work) for _ in range(CLIENTS)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    count = CLIENTS * TIMES
+    # Sums of powers of two: exact in whatever order.
+    assert read_progress(cases) == Progress(
+        wall_s=3.0,
+        reused_stages=2,
+        cases=5 + count,
+        cases_s=2.5 + 0.25 * count,
+        cases_processor_s=0.125 * count,
+        software={"numpy": "1"},
+    )
+    assert list(cases.locks.iterdir()) == []
+
+
+@pytest.mark.parametrize("torn", [None, b"{}"])
+def test_where_nothing_is_known_counting_begins_anew(tmp_path, torn):
+    cases = open_case_store(tmp_path / "out")
+    if torn is not None:
+        cases.progress.write_bytes(torn)
+    add_progress(cases, Progress(cases=2, software={"numpy": "2"}))
+    assert read_progress(cases) == Progress(cases=2, software={"numpy": "2"})
