@@ -23,8 +23,8 @@ from fibermelt.engine.progress import Observer, observing
 from fibermelt.engine.runner import run_study as run_into
 from fibermelt.engine.runner import summarize
 from fibermelt.engine.schema import REPORT
+from fibermelt.engine.toml import study_of
 from fibermelt.errors import ConfigError, legible
-from fibermelt.parts.variables import study_of
 from fibermelt.report.page.lazily import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.sweeps.collect import collect_sweep

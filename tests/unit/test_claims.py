@@ -13,7 +13,7 @@ from fibermelt.engine.loading import load_study
 from fibermelt.engine.parameters import flatten
 from fibermelt.engine.stages import Parameters
 from fibermelt.engine.toml import resolved_toml
-from fibermelt.paper.claims.judge import QUANTITIES, Claim, Judgement, claims, measured
+from fibermelt.paper.claims.judge import MEASURES, Claim, Judgement, claims, measured
 from fibermelt.paper.claims.judge import judge as judged
 from fibermelt.paper.claims.stages import STAGES_OF, claims_stage, fed_by_parts
 from fibermelt.paper.claims.summary import claims_in_words, summarize_claims
@@ -39,7 +39,7 @@ def results():
 
 def test_every_claim_has_its_quantity_and_every_quantity_its_claim():
     assert len(EVERY) == len(claims())
-    assert {claim.quantity for claim in claims()} == set(QUANTITIES)
+    assert {claim.quantity for claim in claims()} == set(MEASURES)
 
 
 @pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)

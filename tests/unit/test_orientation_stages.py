@@ -11,6 +11,7 @@ import xarray as xr
 from suspended_fibers import CELLS, interacting, oriented, parameters, quiet, stalled
 
 from fibermelt.engine.loading import merged, resolve
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.shape import jeffery_factor
@@ -38,7 +39,7 @@ from fibermelt.parts.orientation.stages import (
     stored_curve,
 )
 from fibermelt.parts.orientation.summary import stored_model
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.axes import Axis
 from fibermelt.sweeps.design import Sweep
 
@@ -71,7 +72,8 @@ def tiny(rate: float = 2.0) -> xr.Dataset:
             "flux_fraction": np.array([0.4, 0.8]),
             "time": time,
             "gradient": gradient,
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.paper.dimensions.stages import DIMENSIONS_PARAMETERS, dimensions_stage
 from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbits_stage
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 
 PARAMETERS: dict[str, Any] = {
     "sensitivity.aspect_ratios": (1.0, 6.0, 10.0),
@@ -52,7 +53,9 @@ def turned(**changes: Any) -> xr.Dataset:
 def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Dataset:
     """Return results of "dimensions" on the streamlines of the made-up bead."""
     values = PARAMETERS | {f"sensitivity.{name}": value for name, value in changes.items()}
-    cell = labelled({"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]})
+    cell = labelled(
+        {"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]}, QUANTITIES
+    )
     inputs = {"streamlines": made_up(count, points=60), "cell": cell}
     parameters = declared(DIMENSIONS_PARAMETERS, values)
     return dimensions_stage(parameters, inputs, quiet)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import textwrap
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.parameters import Declaration, Value, declarations, flatten
 from fibermelt.study.config import Config
 
-__all__ = ["as_toml", "defaults_toml", "resolved_toml", "toml_value"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["as_toml", "defaults_toml", "resolved_toml", "study_of", "toml_value"]
 
 _WIDTH = 96
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -75,6 +80,11 @@ def resolved_toml(config: Config, preamble: str) -> str:
             *first, last = _assignment(name, value)
             lines += [*first, last + unit]
     return "\n".join(lines) + "\n"
+
+
+def study_of(results: xr.Dataset) -> dict[str, Any]:
+    """Return the study that results hold as tables, in SI; empty if they hold none."""
+    return tomllib.loads(results.attrs.get("config", ""))
 
 
 def as_toml(values: Mapping[str, Value]) -> str:

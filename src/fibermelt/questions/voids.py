@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.engine.finished import finished_results
 from fibermelt.engine.loading import resolve
 from fibermelt.engine.stages import Parameters
+from fibermelt.engine.toml import study_of
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.cards import Card, load_card
 from fibermelt.parts.melt.melt import SAME_TEMPERATURE, values_of, viscosity_of
-from fibermelt.parts.variables import study_of
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
 from fibermelt.parts.voids.stages import assess_bead, with_orientation
 from fibermelt.parts.voids.summary import BESIDE, summarize_voids

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.parameters import flatten
-from fibermelt.engine.toml import as_toml
+from fibermelt.engine.toml import as_toml, study_of
 from fibermelt.paper.claims.judge import Verdict, claims, judge
-from fibermelt.parts.variables import study_of
 
 if TYPE_CHECKING:
     import xarray as xr

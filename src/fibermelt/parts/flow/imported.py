@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.parts.flow.given import refuse_changed
+from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +62,8 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             **{f"field_{name}": getattr(field, name) for name in known},
             "field_geometry": field.geometry,
             "field_notes": "\n".join(field.notes),
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -132,7 +134,8 @@ def _traced(paths: Sequence[FieldPath]) -> xr.Dataset:
             "path_end": [path.end for path in paths],
             "path_divergence": [path.divergence for path in paths],
             "path_notes": ["; ".join(path.told) for path in paths],
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -163,7 +166,8 @@ def _read_histories(parameters: Parameters, say: Say) -> xr.Dataset:
             "path_end": ["file"] * len(histories),
             "path_divergence": list(table.divergence),
             "field_notes": "\n".join(table.notes),
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -9,10 +9,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.parts.flow.imported import along_paths, paths_of
+from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import LAW, law_of, thins
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -211,7 +212,7 @@ def _stored(solution: FlowSolution) -> xr.Dataset:
     arrays |= {f"node_{name}": getattr(field, name) for name in FIELDS}
     arrays |= {name: getattr(solution, name) for name in SCALARS}
     arrays |= {f"{name}_error": getattr(solution.error, name) for name in ERRORS}
-    return labelled(arrays)
+    return labelled(arrays, QUANTITIES)
 
 
 def _field(flow: xr.Dataset) -> FlowField:
@@ -247,7 +248,9 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     if parameters["flow.source"] != "deposition":
-        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters)))
+        return paths_of(parameters, inputs, say).assign(
+            labelled(_law_curve(parameters), QUANTITIES)
+        )
 
     from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
 
@@ -272,7 +275,8 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "zone_time": stacked("zone_time"),
             "middle_time": stacked("middle_time"),
             **_law_curve(parameters),
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.parts.interaction.quantities import QUANTITIES
 from fibermelt.parts.orientation.stages import (
     DISTRIBUTION,
     folgar_tucker,
     preferred_angle,
     stored_curve,
 )
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -69,7 +70,8 @@ def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "interaction_domain_size": domain,
             "interaction_closure": closure,
             **_polynomials(interaction, chosen, domain),
-        }
+        },
+        QUANTITIES,
     )
 
 

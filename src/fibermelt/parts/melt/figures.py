@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fibermelt.engine.loading import resolve
+from fibermelt.engine.toml import study_of
 from fibermelt.parts.bead.summary import melt_met
 from fibermelt.parts.melt.melt import melt_of
-from fibermelt.parts.variables import study_of
 from fibermelt.report.kit.style import (
     BLUE,
     FULL,

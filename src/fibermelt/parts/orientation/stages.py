@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.parts.interaction.config import OWN, WITHOUT_COEFFICIENT
 from fibermelt.parts.orientation.models import build_model, model_in_words
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.orientation.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -61,7 +62,8 @@ def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             "stall_shape_factor_error": curve.error,
             "stall_aspect_ratio": curve.fiber_aspect_ratio,
             "largest_stalling_domain": curve.largest_stalling_domain,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -157,7 +159,8 @@ def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datase
             "preferred_angle": angle,
             "content_domain_size": domain_size,
             "content_regime": regime(content, aspect_ratio),
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -216,7 +219,7 @@ def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "closure_exact_error": exact_error,
             "closure_error": np.abs(found.a[center] - exact).max(axis=(-2, -1)),
         }
-    return labelled(variables)
+    return labelled(variables, QUANTITIES)
 
 
 def orientation_estimates(parameters: Parameters, found: xr.Dataset) -> tuple[Estimate, ...]:

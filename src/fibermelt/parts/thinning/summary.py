@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.variables import or_none
+from fibermelt.engine.quantities import or_none
 from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:

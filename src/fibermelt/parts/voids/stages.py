@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.melt.melt import CARD, LAW, viscosity_of
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.voids.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,7 +116,7 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     }
     regular = lines["near_singularity"].to_numpy() == 0
     arrays |= layer_profile(arrays, regular, layers)
-    return labelled(arrays | bead_totals(arrays, regular))
+    return labelled(arrays | bead_totals(arrays, regular), QUANTITIES)
 
 
 def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], Array]:

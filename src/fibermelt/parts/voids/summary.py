@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import or_none
 from fibermelt.numerals import rounded
-from fibermelt.parts.variables import or_none
 from fibermelt.parts.voids.advice import advice
 
 if TYPE_CHECKING:
