@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Derive", "Quantity", "declared", "labelled", "or_none", "with_error"]
 
 Derive = Callable[["xr.Dataset"], "xr.DataArray | None"]
-"""From a collected sweep to a quantity of its cases, in SI; None where it has not what is needed."""
+"""From a collected sweep to a quantity of its cases, in SI; None where it lacks what is needed."""
 
 
 @dataclass(frozen=True)
