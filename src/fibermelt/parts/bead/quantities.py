@@ -175,6 +175,7 @@ QUANTITIES = declared(
         _EXTREME,
         "Pa",
         "extreme of surface pressure less streamline pressure",
+        shown_in="MPa",
         error="extreme_error",
     ),
     Quantity("extreme_x", _EXTREME, "m", "x of the extreme"),

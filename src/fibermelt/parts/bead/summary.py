@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.engine.quantities import or_none
 from fibermelt.engine.toml import study_of
 from fibermelt.numerals import rounded
+from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 from fibermelt.study.notes import LONGEST_FIBER
 
@@ -304,9 +305,9 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         if not found:
             continue
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
-        lowest = -worst["lowest"] / 1e6
+        depth = FIBER["extreme"].with_unit(-worst["lowest"], size=worst["lowest"], digits=3)
         lines.append(
-            f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
+            f"lowest {place}  {depth} below the melt's own pressure, on "
             f"streamline {worst['streamline']}"
         )
     return lines + _left_out(flagged, of=len(summary["streamlines"])) + _long(summary)

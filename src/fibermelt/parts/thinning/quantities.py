@@ -22,7 +22,7 @@ def _of_flow(name: str) -> Quantity:
 
 
 QUANTITIES = declared(
-    Quantity("effect_index", _LAW, "1", "index of the power law"),
+    Quantity("effect_index", _LAW, "1", "index of the power law", title="Index"),
     Quantity("effect_model", "effect_model", "1", "what answers for the fiber"),
     Quantity(
         "effect_cause",
@@ -30,7 +30,13 @@ QUANTITIES = declared(
         "1",
         "what thins: both, the flow alone, the fiber's melt alone",
     ),
-    Quantity("effect_consistency", _LAW, "Pa s", "viscosity of the power law at 1 1/s"),
+    Quantity(
+        "effect_consistency",
+        _LAW,
+        "Pa s",
+        "viscosity of the power law at 1 1/s",
+        title="Viscosity at 1 1/s",
+    ),
     _of_flow("inlet_pressure"),
     _of_flow("inlet_pressure_error"),
     _of_flow("contact_point"),
@@ -44,6 +50,7 @@ QUANTITIES = declared(
         "Pa",
         "lowest pressure on a fiber below the middle of the capillary, above the surrounding "
         "air's, mean over the initial angles",
+        shown_in="MPa",
     ),
     Quantity("effect_bound", _LINE, "Pa", "the same of any direction"),
     Quantity(

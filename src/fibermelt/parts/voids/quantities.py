@@ -58,6 +58,7 @@ QUANTITIES = declared(
         "middle of the layer above the bed in the finished bead",
         swept="kept",
         kept_as="void_layer_middle",
+        shown_in="mm",
     ),
     # The melt.
     Quantity("void_material", "", "1", "key of the material card"),
@@ -67,7 +68,9 @@ QUANTITIES = declared(
     Quantity("void_moisture", "", "1", "moisture over the mass of polymer"),
     Quantity("void_temperature", "", "K", "temperature of the melt"),
     Quantity("void_saturation_moisture", "", "1", "most moisture that the polymer can hold"),
-    Quantity("void_vapor_pressure", "", "Pa", "absolute vapor pressure of the moisture"),
+    Quantity(
+        "void_vapor_pressure", "", "Pa", "absolute vapor pressure of the moisture", shown_in="MPa"
+    ),
     Quantity("void_saturation_pressure", "", "Pa", "absolute saturation pressure of water"),
     Quantity("void_threshold", "", "1", "log10 of the rate [1/(m^3 s)] that counts as nucleation"),
     Quantity(
@@ -83,9 +86,19 @@ QUANTITIES = declared(
         "Pa",
         "local pressure less vapor pressure: negative where a bubble can grow",
     ),
-    Quantity("void_height", "streamline", "m", "height of the streamline in the finished bead"),
     Quantity(
-        "void_lowest_pressure", _LINE, "Pa", "lowest absolute local pressure on the streamline"
+        "void_height",
+        "streamline",
+        "m",
+        "height of the streamline in the finished bead",
+        shown_in="mm",
+    ),
+    Quantity(
+        "void_lowest_pressure",
+        _LINE,
+        "Pa",
+        "lowest absolute local pressure on the streamline",
+        shown_in="MPa",
     ),
     Quantity("void_lowest_x", _LINE, "m", "x of the lowest pressure, from the nozzle's axis"),
     Quantity("void_lowest_y", _LINE, "m", "y of the lowest pressure, from the bed"),
@@ -106,6 +119,7 @@ QUANTITIES = declared(
         "m",
         "critical radius at the lowest pressure; NaN where no bubble can grow or the card gives "
         "none",
+        shown_in="nm",
     ),
     Quantity(
         "void_critical_time",
@@ -159,6 +173,7 @@ QUANTITIES = declared(
         _LAYER,
         "Pa",
         "lowest absolute pressure of each streamline, mean by flux over the layer",
+        shown_in="MPa",
     ),
     Quantity(
         "void_layer_fiber_pressure",
@@ -176,7 +191,11 @@ QUANTITIES = declared(
     ),
     # The bead in all.
     Quantity(
-        "void_bead_lowest_pressure", _BEAD, "Pa", "lowest absolute pressure; NaN if all left out"
+        "void_bead_lowest_pressure",
+        _BEAD,
+        "Pa",
+        "lowest absolute pressure; NaN if all left out",
+        shown_in="MPa",
     ),
     Quantity(
         "void_bead_moisture",

@@ -6,11 +6,15 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
 from fibermelt import numerals
 from fibermelt.numerals import places, rounded
+
+if TYPE_CHECKING:
+    from fibermelt.engine.quantities import Quantity
 
 __all__ = [
     "Column",
@@ -51,6 +55,11 @@ class Column:
     title: str
     unit: str = ""
     is_text: bool = False
+
+    @classmethod
+    def of(cls, quantity: Quantity) -> Column:
+        """Return the column of a quantity's numbers."""
+        return cls(quantity.title, quantity.shown_unit)
 
 
 def number(value: float | None, digits: int = 4) -> str:
