@@ -8,12 +8,12 @@ from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.cli.common import SHIPPED
-from fibermelt.engine.loading import load_study, preset_names
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.flows import FLOWS
 from fibermelt.orientation.interaction import INTERACTION_LAWS
 from fibermelt.orientation.models import MODELS
 from fibermelt.parts.melt.cards import material_names
+from fibermelt.study.loading import load_study, preset_names
 
 pytestmark = pytest.mark.end_to_end
 

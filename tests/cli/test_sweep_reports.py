@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.engine.loading import load_study
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 
 pytestmark = pytest.mark.end_to_end

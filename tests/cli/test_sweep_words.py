@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 from fibermelt.cli import app
 from fibermelt.engine.files import read_sealed, write_sealed
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.store import Store
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.cost import estimate
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep

@@ -21,12 +21,12 @@ from exact_flows import PIPE, exact_field
 
 import fibermelt
 from fibermelt.cli import app
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parameters import declarations
 from fibermelt.parts.melt.cards import load_card
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.report.page.sources import read_sources
 from fibermelt.study.config import Config
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 
 ROOT = Path(__file__).parents[2]

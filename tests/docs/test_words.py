@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parts import in_words
 from fibermelt.engine.runner import run_study
 from fibermelt.errors import ConfigError
 from fibermelt.parts.voids.summary import voids_in_words
 from fibermelt.questions.voids import VoidQuestion, answer_voids
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 
 pytestmark = [pytest.mark.end_to_end, pytest.mark.slow]
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.overrides import read_tables
 from fibermelt.errors import ConfigError
+from fibermelt.study.loading import load_study
 
 SWEPT = """preset = "paper"
 study.parts = ["bead"]

@@ -10,7 +10,7 @@ from fibermelt.engine.quantities import Quantity, declared, labelled, with_error
 from fibermelt.errors import StoreError
 from fibermelt.study.quantities import QUANTITIES
 
-LENGTH = Quantity("length", "", "m", "how long", "Length", "mm", "length_error")
+LENGTH = Quantity("length", "", "m", "how long", "Length", "mm")
 KNOWN = declared(LENGTH, Quantity("length_error", "", "1", "error", relative=True))
 
 

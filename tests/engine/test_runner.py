@@ -7,10 +7,10 @@ import fakes
 import pytest
 import xarray as xr
 
-from fibermelt.engine.loading import load_study, resolve
 from fibermelt.engine.parameters import flatten
 from fibermelt.engine.runner import run_study
 from fibermelt.engine.stages import keys
+from fibermelt.study.loading import load_study, resolve
 
 pytestmark = pytest.mark.end_to_end
 

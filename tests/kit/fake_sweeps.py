@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parts import Chain, Part
 from fibermelt.engine.stages import Neighbour, Parameters, Stage
 from fibermelt.errors import ConvergenceError, FibermeltError
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.collect import collect_sweep
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.runner import run_sweep

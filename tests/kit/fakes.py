@@ -11,11 +11,11 @@ from pathlib import Path
 
 import xarray as xr
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parts import Chain, Part
 from fibermelt.engine.runner import run_study
 from fibermelt.engine.stages import Parameters, Stage
 from fibermelt.errors import ConvergenceError
+from fibermelt.study.loading import load_study
 
 UNITS = {"units": "m", "long_name": "a number that tells where it came from"}
 

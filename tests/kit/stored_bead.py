@@ -16,7 +16,9 @@ from fibermelt.engine.outputs import publish
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.schema import SCHEMA
 from fibermelt.engine.store import Store
+from fibermelt.engine.tables import Tables
 from fibermelt.engine.toml import resolved_toml
+from fibermelt.paper.claims.conditions import conditions_of
 from fibermelt.parts.bead.summary import summarize_bead
 from fibermelt.report.page.figures import draw_figures
 from fibermelt.study.config import Config
@@ -45,7 +47,7 @@ CLAIMS = [
 
 
 def stored_results(
-    count: int = 6, angles: int = 3, name: str = "made up", config: Config | None = None
+    count: int = 6, angles: int = 3, name: str = "made up", config: Tables | None = None
 ) -> xr.Dataset:
     """Return results as results.nc holds them, study included."""
     bare = made_up(count=count, angles=angles)
@@ -65,12 +67,12 @@ def stored_results(
     results = bare.assign(
         labelled({name: more[name] for name in more if name not in bare}, QUANTITIES)
     )
+    study = config or Config()
     results.attrs = {
         "title": f"fibermelt study {name}",
         "schema": SCHEMA,
-        "config": resolved_toml(
-            config or Config(), f"The study {name} (made.toml) as it was run, in SI."
-        ),
+        "config": resolved_toml(study, f"The study {name} (made.toml) as it was run, in SI."),
+        **conditions_of(study),
         "software": json.dumps({"python": "3.11.7", "fibermelt": "0.1.0"}),
     }
     return results

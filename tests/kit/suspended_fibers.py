@@ -11,8 +11,8 @@ from drawn_bead import made_up
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.fiber.shape import jeffery_factor
-from fibermelt.parts.interaction.stages import interaction_stage
-from fibermelt.parts.orientation.stages import content_stage, orientation_stage
+from fibermelt.parts.interaction.stages import content_stage, interaction_stage
+from fibermelt.parts.orientation.stages import orientation_stage
 from fibermelt.study.quantities import QUANTITIES
 
 PARAMETERS: dict[str, Any] = {

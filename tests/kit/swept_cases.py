@@ -5,9 +5,9 @@ import json
 import numpy as np
 import xarray as xr
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.paper.claims.judge import claims
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.cost import Computed, Progress, StageCost
 from fibermelt.sweeps.design import read_sweep
 

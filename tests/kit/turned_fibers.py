@@ -10,8 +10,10 @@ from drawn_bead import made_up
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
-from fibermelt.paper.dimensions.stages import DIMENSIONS_PARAMETERS, dimensions_stage
-from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.paper.dimensions import part as dimensions
+from fibermelt.paper.dimensions.stages import dimensions_stage
+from fibermelt.paper.orbits import part as orbits
+from fibermelt.paper.orbits.stages import orbits_stage
 from fibermelt.study.quantities import QUANTITIES
 
 PARAMETERS: dict[str, Any] = {
@@ -47,7 +49,7 @@ def declared(names: tuple[str, ...], values: dict[str, Any] = PARAMETERS) -> Par
 def turned(**changes: Any) -> xr.Dataset:
     """Return results of "orbits"; ``domain_size=4.0`` and the like change the sensitivity table."""
     values = PARAMETERS | {f"sensitivity.{name}": value for name, value in changes.items()}
-    return orbits_stage(declared(ORBITS_PARAMETERS, values), {}, quiet)
+    return orbits_stage(declared(orbits.PART.brings[0].parameters, values), {}, quiet)
 
 
 def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Dataset:
@@ -57,5 +59,5 @@ def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Data
         {"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]}, QUANTITIES
     )
     inputs = {"streamlines": made_up(count, points=60), "cell": cell}
-    parameters = declared(DIMENSIONS_PARAMETERS, values)
+    parameters = declared(dimensions.PART.brings[0].parameters, values)
     return dimensions_stage(parameters, inputs, quiet)

@@ -9,15 +9,17 @@ import pytest
 import xarray as xr
 from drawn_bead import made_up
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parameters import flatten
 from fibermelt.engine.stages import Parameters
 from fibermelt.engine.toml import resolved_toml
+from fibermelt.paper.claims.conditions import conditions_of
 from fibermelt.paper.claims.judge import MEASURES, Claim, Judgement, claims, measured
 from fibermelt.paper.claims.judge import judge as judged
-from fibermelt.paper.claims.stages import STAGES_OF, claims_stage, fed_by_parts
+from fibermelt.paper.claims.part import PART, STAGES_OF
+from fibermelt.paper.claims.stages import claims_stage
 from fibermelt.paper.claims.summary import claims_in_words, summarize_claims
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 
 EVERY = {claim.id: claim for claim in claims()}
 
@@ -153,8 +155,12 @@ def test_a_stored_value_turns_the_verdict_of_a_study(results):
 
 
 def test_claims_are_fed_by_the_parts_that_a_study_has():
-    assert fed_by_parts({"study.parts": ("claims",)}) == ()
-    assert fed_by_parts({"study.parts": ("bead", "voids")}) == ("streamlines", "motion", "voids")
+    assert PART.brings[0].inputs_if({"study.parts": ("claims",)}) == ()
+    assert PART.brings[0].inputs_if({"study.parts": ("bead", "voids")}) == (
+        "streamlines",
+        "motion",
+        "voids",
+    )
     names = {stage.name for stage in CHAIN.stages}
     assert {name for fed in STAGES_OF.values() for name in fed} < names
 
@@ -164,8 +170,8 @@ def test_known_reasons_are_told_under_the_papers_conditions_only(results):
     found = claims_stage(PARAMETERS, {"motion": results.drop_attrs(deep=False)}, print)
     place = found["claim"].to_numpy().tolist().index("loc1-level")
     for override, told in (((), "the paper's mesh overstates"), (("flow.gap=3.1 mm",), "not the")):
-        config = resolved_toml(load_study("paper", override).config, "made up")
-        of = summarize_claims(found.assign_attrs(config=config))["claims"][place]
+        asked = load_study("paper", override).config
+        of = summarize_claims(found.assign_attrs(conditions_of(asked)))["claims"][place]
         assert of["verdict"] == "differs"
         assert told in of["reason"]
 

@@ -13,7 +13,8 @@ from turned_fibers import PARAMETERS, compared, declared, turned
 from fibermelt.engine.stages import Parameters
 from fibermelt.paper.claims.printed import printed_period, printed_periods
 from fibermelt.paper.dimensions.stages import feature_rows
-from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbit_cases
+from fibermelt.paper.orbits.part import PART
+from fibermelt.paper.orbits.stages import orbit_cases
 from fibermelt.paper.orbits.summary import (
     dimensions_in_words,
     orbits_in_words,
@@ -51,7 +52,7 @@ def _cases(numbers: dict[str, Any], sweep: str) -> list[dict[str, Any]]:
 
 
 def test_cases_are_the_base_and_each_value_once() -> None:
-    cases = orbit_cases(declared(ORBITS_PARAMETERS))
+    cases = orbit_cases(declared(PART.brings[0].parameters))
     assert [case.sweep for case in cases] == [
         "base",
         *(3 * ["aspect_ratio"]),

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibermelt.engine.loading import load_study, preset_names, replaces_another, resolve
 from fibermelt.engine.parameters import declarations, flatten, quantity
 from fibermelt.engine.toml import defaults_toml, resolved_toml, toml_value
 from fibermelt.errors import ConfigError
 from fibermelt.study.config import Config
+from fibermelt.study.loading import load_study, preset_names, replaces_another, resolve
 
 PAPER = load_study("paper").config
 AS_BY_DEFAULT = PAPER.model_copy(
@@ -406,7 +406,7 @@ def test_every_parameter_is_fully_declared(item):
 
 
 def test_defaults_are_a_study_with_every_key():
-    tables = tomllib.loads(defaults_toml())
+    tables = tomllib.loads(defaults_toml(Config))
     written = {f"{section}.{key}" for section, table in tables.items() for key in table}
     optional = {item.key for item in EVERY if item.written is None}
     assert written | optional == {item.key for item in EVERY}

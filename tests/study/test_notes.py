@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from fibermelt.engine.loading import resolve
 from fibermelt.parts.voids.advice import advice
-from fibermelt.study.notes import study_notes
+from fibermelt.study.loading import resolve
 
 
 def notes(**tables: dict[str, object]) -> str:
-    return "\n".join(study_notes(resolve(tables)))
+    return "\n".join(resolve(tables).notes())
 
 
 def test_the_papers_study_has_nothing_to_tell() -> None:

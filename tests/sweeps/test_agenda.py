@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibermelt.engine.loading import load_study
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.agenda import LARGEST_TASK, Agenda
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import Job, plan_sweep

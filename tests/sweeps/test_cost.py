@@ -3,9 +3,9 @@
 import pytest
 import xarray as xr
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.store import Record, Store
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.cost import estimate
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 
 

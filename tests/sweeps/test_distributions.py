@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.descriptions import distribution_told
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.distributions import (

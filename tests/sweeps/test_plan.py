@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parts import Chain, Part
 from fibermelt.engine.stages import Stage
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
 

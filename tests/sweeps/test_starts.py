@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibermelt.engine.loading import load_study, resolve
 from fibermelt.engine.stages import stage_parameters
 from fibermelt.parts.flow.stages import flow_but_for_scale
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study, resolve
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
 from fibermelt.sweeps.starts import REACH, neighbours
@@ -75,7 +74,7 @@ def test_those_that_differ_in_a_scale_only_hang_from_one():
 
 def test_a_flow_scales_with_the_melt_and_with_both_speeds():
     stage = next(stage for stage in CHAIN.stages if stage.name == "flow")
-    values = stage_parameters(stage, values_of(resolve({})))
+    values = stage_parameters(stage, resolve({}).values())
 
     def flow(inlet, bed, **law):
         speeds = {"flow.inlet_speed": inlet, "flow.bed_speed": bed}

@@ -10,12 +10,11 @@ from coarse_runs import COARSE
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.stages import Neighbour, Parameters, stage_parameters
 from fibermelt.engine.store import Store
 from fibermelt.parts.flow.stages import flow_from, flow_stage
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
 from fibermelt.sweeps.record import restored
@@ -215,7 +214,7 @@ def stored(real, kind):
     jobs = plan_sweep(read_sweep(study), study, CHAIN).jobs.values()
     job = next(job for job in jobs if job.kind == kind)
     store = Store.open(out)
-    values = {**values_of(study.config), **job.case.changes}
+    values = {**study.config.values(), **job.case.changes}
     return stage_parameters(stage, values), store.load(store.find("flow", job.key))
 
 

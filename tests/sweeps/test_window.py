@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from fibermelt.engine.loading import load_study
 from fibermelt.errors import ConfigError
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.window import GAP, MEASURES, SPEED, critical_moistures, drying_advice
 

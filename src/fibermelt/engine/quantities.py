@@ -26,7 +26,7 @@ Derive = Callable[["xr.Dataset"], "xr.DataArray | None"]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number, text or array of the results.
+    """A number, text or array of the results; ``<name>_error`` estimates the error of one.
 
     Parameters
     ----------
@@ -42,8 +42,6 @@ class Quantity:
         What tables and axes call it; a number of a case that has none is not told by itself.
     shown_in : str
         The unit that it is shown in, one of `fibermelt.units.SHOWN`; its SI unit by default.
-    error : str
-        Name of the quantity that estimates its error.
     relative : bool
         Of an error: whether it is a share of what it is the error of.
     none : str
@@ -68,7 +66,6 @@ class Quantity:
     meaning: str
     title: str = ""
     shown_in: str = ""
-    error: str = ""
     relative: bool = False
     none: str = "–"
     stored: bool = True
@@ -86,6 +83,11 @@ class Quantity:
     def heading(self) -> str:
         """Return its title and the unit that it is shown in."""
         return f"{self.title} [{self.shown_unit}]" if self.shown_unit else self.title
+
+    @property
+    def error(self) -> str:
+        """Return the name of the quantity that estimates its error, if one does."""
+        return f"{self.name}_error"
 
     @property
     def factor(self) -> float:
@@ -185,11 +187,11 @@ def with_error(
     known : mapping
         The quantities, that of the error among them; NaN is the error of what has none.
     """
-    value, error = results[name].item(), known[name].error
-    if error not in results:
+    one, value = known[name], results[name].item()
+    if one.error not in results:
         return value, math.nan
-    estimate = float(results[error])
-    return value, abs(value) * estimate if known[error].relative else estimate
+    estimate = float(results[one.error])
+    return value, abs(value) * estimate if known[one.error].relative else estimate
 
 
 def or_none(value: Any) -> float | None:

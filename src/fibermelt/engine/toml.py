@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 import textwrap
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.parameters import Declaration, Value, declarations, flatten
-from fibermelt.study.config import Config
+from fibermelt.engine.parameters import Declaration, Section, Value, declarations, flatten
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["as_toml", "defaults_toml", "resolved_toml", "study_of", "toml_value"]
+__all__ = ["as_toml", "defaults_toml", "resolved_toml", "toml_value"]
 
 _WIDTH = 96
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -39,14 +33,20 @@ def toml_value(value: object) -> str:
     raise TypeError(msg)
 
 
-def defaults_toml() -> str:
-    """Return every parameter with its default, range, unit, meaning and source, as a study."""
+def defaults_toml(kind: type[Section]) -> str:
+    """Return every parameter with its default, range, unit, meaning and source, as a study.
+
+    Parameters
+    ----------
+    kind : type
+        The class of studies.
+    """
     lines = _comment(
         "Every parameter of a fibermelt study, with its default. A quantity is a text with a "
         'unit ("24 mm/s") or a bare number in SI. Delete what you do not change, or start from '
         'a shipped study with preset = "paper" as the first line.'
     )
-    for declaration, head in _with_headings(declarations(Config)):
+    for declaration, head in _with_headings(declarations(kind)):
         lines += head
         lines += _comment(_described(declaration))
         name = declaration.key.rpartition(".")[2]
@@ -57,19 +57,19 @@ def defaults_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def resolved_toml(config: Config, preamble: str) -> str:
+def resolved_toml(config: Section, preamble: str) -> str:
     """Return a resolved study in SI, that runs again to the same results.
 
     Parameters
     ----------
-    config : Config
+    config : Section
         The study.
     preamble : str
         What to say on top, as a comment.
     """
     values = flatten(config)
     lines = _comment(preamble)
-    for declaration, head in _with_headings(declarations(Config)):
+    for declaration, head in _with_headings(declarations(type(config))):
         lines += head
         value = values[declaration.key]
         name = declaration.key.rpartition(".")[2]
@@ -80,11 +80,6 @@ def resolved_toml(config: Config, preamble: str) -> str:
             *first, last = _assignment(name, value)
             lines += [*first, last + unit]
     return "\n".join(lines) + "\n"
-
-
-def study_of(results: xr.Dataset) -> dict[str, Any]:
-    """Return the study that results hold as tables, in SI; empty if they hold none."""
-    return tomllib.loads(results.attrs.get("config", ""))
 
 
 def as_toml(values: Mapping[str, Value]) -> str:

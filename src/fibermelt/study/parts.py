@@ -1,19 +1,30 @@
-"""Where the parts of a study are at home: adding one is its folder and a line here."""
+"""The parts that there are: a folder each, which has a `PART` in its module ``part``."""
 
 from __future__ import annotations
 
-__all__ = ["HOMES"]
+from importlib import import_module
+from typing import cast
+
+from fibermelt.engine.parts import Part
+
+__all__ = ["HOMES", "parts"]
 
 HOMES = (
     "fibermelt.parts.flow",
+    "fibermelt.parts.melt",
     "fibermelt.parts.bead",
     "fibermelt.parts.orientation",
     "fibermelt.parts.interaction",
+    "fibermelt.paper.orbits",
+    "fibermelt.paper.dimensions",
     "fibermelt.parts.thinning",
     "fibermelt.parts.voids",
     "fibermelt.parts.verification",
-    "fibermelt.paper.orbits",
-    "fibermelt.paper.dimensions",
     "fibermelt.paper.claims",
 )
-"""Packages; what they hold is found in modules of known names, such as ``quantities``."""
+"""In the order in which they are told."""
+
+
+def parts() -> tuple[Part, ...]:
+    """Return all parts."""
+    return tuple(cast("Part", import_module(f"{home}.part").PART) for home in HOMES)

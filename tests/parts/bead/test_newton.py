@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fibermelt.engine.loading import resolve
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import newton_motion
 from fibermelt.history import FlowHistory
 from fibermelt.parts.bead.newton import newton_motions
+from fibermelt.study.loading import resolve
 
 
 def history(points):

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parts import in_words
 from fibermelt.engine.quantities import labelled
 from fibermelt.parts.bead.summary import bead_in_words, summarize_bead
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.study.quantities import QUANTITIES
 
 

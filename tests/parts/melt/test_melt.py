@@ -6,15 +6,15 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from fibermelt.engine.loading import load_study, merged, resolve
 from fibermelt.engine.stages import Parameters, keys
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import ConfigError
 from fibermelt.melt import LAWS, CarreauYasuda, Cross, Newtonian, PowerLaw
 from fibermelt.parts.melt.cards import material_names
-from fibermelt.parts.melt.melt import law_of, melt_notes, melt_of, newtonian_viscosity, values_of
+from fibermelt.parts.melt.melt import law_of, melt_notes, melt_of, newtonian_viscosity
 from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study, merged, resolve
 
 BEAD = {"parts": ["bead"]}
 CARREAU = {"law": "carreau", "viscosity": "5 kPa s", "index": 0.4, "time_constant": "0.2 s"}
@@ -59,10 +59,10 @@ def test_the_laws_constants_are_those_of_the_laws():
 
 
 def test_the_papers_melt():
-    melt = melt_of(load_study("paper").config)
+    melt = melt_of(load_study("paper").config.melt)
     assert (melt.law, melt.temperature, melt.density) == (Newtonian(817.0), 503.15, 1154.0)
     assert (melt.measured_at, melt.rates) == (None, (100.0, 100.0))
-    assert melt == melt_of(resolve({}))
+    assert melt == melt_of(resolve({}).melt)
 
 
 @pytest.mark.parametrize("name", material_names())
@@ -70,7 +70,7 @@ def test_a_resolved_study_says_all_of_its_melt(name):
     config = resolve({"study": {"parts": ["interaction"]}, "melt": {"material": name}})
     again = resolve(tomllib.loads(resolved_toml(config, "")))
     assert again == config
-    assert values_of(again) == values_of(config)
+    assert again.values() == config.values()
 
 
 @pytest.mark.parametrize(
@@ -79,30 +79,30 @@ def test_a_resolved_study_says_all_of_its_melt(name):
     [("abs-cf13-thinning", 821.3, 0.5), ("made-up-carreau", 817.0, None), ("abs", 407.0, None)],
 )
 def test_shipped_laws_have_the_viscosities_of_their_sources(name, at_100, n):
-    law = melt_of(study(material=name)).law
+    law = melt_of(study(material=name).melt).law
     assert float(law.viscosity_at(100.0)) == pytest.approx(at_100, rel=2e-4)
     assert n is None or float(law.index_at(100.0)) == pytest.approx(n, abs=1e-6)
 
 
 @pytest.mark.parametrize(("celsius", "at_rest"), [(210, 4628), (230, 2007), (250, 1027)])
 def test_cross_wlf_follows_the_temperature(celsius, at_rest):
-    law = melt_of(study(material="abs", temperature=f"{celsius} degC")).law
+    law = melt_of(study(material="abs", temperature=f"{celsius} degC").melt).law
     assert isinstance(law, Cross)
     assert law.viscosity == pytest.approx(at_rest, abs=0.5)
     assert law.critical_stress == 30820.0
 
 
 def test_arrhenius_shifts_viscosity_and_time(shifted):
-    melt = melt_of(study(material=shifted, temperature="240 degC"))
+    melt = melt_of(study(material=shifted, temperature="240 degC").melt)
     assert melt.law == CarreauYasuda(A_240 * 2000.0, 0.4, A_240 * 0.1)
     assert (melt.measured_at, melt.rates) == (None, (1.0, 500.0))
-    assert melt_of(study(material=shifted)).law == CarreauYasuda(2000.0, 0.4, 0.1)
+    assert melt_of(study(material=shifted).melt).law == CarreauYasuda(2000.0, 0.4, 0.1)
 
 
 def test_a_viscosity_of_another_temperature_is_told(shifted):
     warmer = study(temperature="240 degC")
-    assert melt_of(warmer).measured_at == 503.15
-    assert melt_of(warmer).law == Newtonian(817.0)
+    assert melt_of(warmer.melt).measured_at == 503.15
+    assert melt_of(warmer.melt).law == Newtonian(817.0)
     (note,) = melt_notes(warmer)
     assert note.startswith("the viscosity is that of 230 degC, the melt's temperature 240 degC")
     assert melt_notes(study()) == melt_notes(study(temperature="446 degF")) == []
@@ -116,20 +116,22 @@ def test_another_law_takes_none_of_the_cards_constants():
     assert (melt.viscosity, melt.infinite_viscosity, melt.transition) == (5000.0, 0.0, 2.0)
     power = study(law="power-law", consistency=8000.0, index=0.6).melt
     assert power.viscosity is None
-    assert melt_of(study(law="power-law", consistency=8000.0, index=0.6)).law == PowerLaw(
+    assert melt_of(study(law="power-law", consistency=8000.0, index=0.6).melt).law == PowerLaw(
         8000.0, 0.6
     )
 
 
 def test_part_of_a_cards_law_may_be_the_studys(shifted):
-    assert melt_of(study(material=shifted, index=0.3)).law == CarreauYasuda(2000.0, 0.3, 0.1)
-    assert melt_of(study(material=shifted, viscosity=900.0)).law == CarreauYasuda(900.0, 0.4, 0.1)
+    assert melt_of(study(material=shifted, index=0.3).melt).law == CarreauYasuda(2000.0, 0.3, 0.1)
+    assert melt_of(study(material=shifted, viscosity=900.0).melt).law == CarreauYasuda(
+        900.0, 0.4, 0.1
+    )
     with pytest.raises(ConfigError, match=r"^melt\.law_temperature: missing: .*melt\.visc"):
         study(material=shifted, viscosity=900.0, temperature="240 degC")
     told = study(
         material=shifted, viscosity=900.0, temperature="240 degC", law_temperature="230 degC"
     )
-    assert melt_of(told).law == CarreauYasuda(A_240 * 900.0, 0.4, A_240 * 0.1)
+    assert melt_of(told.melt).law == CarreauYasuda(A_240 * 900.0, 0.4, A_240 * 0.1)
 
 
 def test_another_melt_or_law_begins_anew():
@@ -148,7 +150,7 @@ def test_another_melt_or_law_begins_anew():
 
 def test_stages_read_constants_and_no_card(tmp_path, shifted):
     def found(config):
-        return keys(CHAIN.stages, values_of(config))
+        return keys(CHAIN.stages, config.values())
 
     base, same = found(study()), found(study(law="newtonian", viscosity="817 Pa s"))
     assert base == same
@@ -200,7 +202,7 @@ def test_the_local_viscosity_is_told_where_it_matters():
 
 def test_only_a_melt_that_thins_at_fibers_has_a_table():
     def feeding(**tables):
-        values = values_of(resolve(tables))
+        values = resolve(tables).values()
         return [stage.name for stage in CHAIN.needed(["bead"], values)]
 
     assert "response" not in feeding()
@@ -210,7 +212,7 @@ def test_only_a_melt_that_thins_at_fibers_has_a_table():
 
 
 def test_a_law_is_read_at_the_melts_temperature(shifted):
-    values = values_of(study(material=shifted, temperature="240 degC"))
+    values = study(material=shifted, temperature="240 degC").values()
     read = Parameters({key: value for key, value in values.items() if key.startswith("law.")})
     assert law_of(read) == CarreauYasuda(A_240 * 2000.0, 0.4, A_240 * 0.1)
     with pytest.raises(ConfigError, match=r'^melt\.law = "carreau": must be "newtonian" here'):
@@ -273,7 +275,7 @@ def test_a_study_without_a_flow_needs_no_viscosity():
     config = resolve({"study": {"parts": ["interaction"]}, "melt": {"material": "pei"}})
     assert config.melt.missing == ("melt.law",)
     with pytest.raises(ConfigError, match=r"^melt\.law: missing"):
-        melt_of(config)
+        melt_of(config.melt)
 
 
 @pytest.mark.parametrize(("key", "value"), [("material", "pla"), ("temperature", "230 degC")])

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 from suspended_fibers import CELLS, interacting, oriented, parameters, quiet, stalled
 
-from fibermelt.engine.loading import merged, resolve
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError
@@ -27,18 +26,12 @@ from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
 from fibermelt.parts.bead.stages import cell_stage
 from fibermelt.parts.interaction.config import OWN, WITHOUT_COEFFICIENT, Interaction, ModelName
-from fibermelt.parts.orientation.models import WRITTEN
-from fibermelt.parts.orientation.stages import (
-    DISTRIBUTION,
-    content_stage,
-    folgar_tucker,
-    orientation_estimates,
-    orientation_stage,
-    preferred_angle,
-    stall_stage,
-    stored_curve,
-)
+from fibermelt.parts.interaction.models import WRITTEN
+from fibermelt.parts.interaction.stages import content_stage, stall_stage, stored_curve
+from fibermelt.parts.interaction.suspension import DISTRIBUTION, folgar_tucker, preferred_angle
+from fibermelt.parts.orientation.stages import orientation_estimates, orientation_stage
 from fibermelt.parts.orientation.summary import stored_model
+from fibermelt.study.loading import merged, resolve
 from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.axes import Axis
 from fibermelt.sweeps.design import Sweep

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.quantities import labelled
 from fibermelt.errors import ConfigError
 from fibermelt.parts.thinning.figures import figure_thinning, thinning, thinning_words
-from fibermelt.parts.thinning.stages import CAUSES, EFFECT_PARAMETERS
+from fibermelt.parts.thinning.part import PART
+from fibermelt.parts.thinning.stages import CAUSES
 from fibermelt.parts.thinning.summary import summarize_thinning, thinning_in_words
+from fibermelt.study.loading import resolve
 from fibermelt.study.quantities import QUANTITIES
 from fibermelt.voids import ATMOSPHERE
 
@@ -96,4 +97,4 @@ def test_indices_that_do_not_fall_are_refused(indices: list[float]) -> None:
 
 
 def test_the_stage_declares_what_the_flow_needs() -> None:
-    assert {"flow", "law", "numerics.flow_order"} <= set(EFFECT_PARAMETERS)
+    assert {"flow", "law", "numerics.flow_order"} <= set(PART.brings[0].parameters)

@@ -14,11 +14,12 @@ from drawn_bead import made_up
 from figure_texts import texts
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.toml import resolved_toml
+from fibermelt.paper.claims.conditions import conditions_of
 from fibermelt.report.kit.plates import Plate
 from fibermelt.report.kit.style import FULL, PNG_DOTS, STYLE, save
 from fibermelt.report.page.figures import FIGURES, draw_figures
+from fibermelt.study.loading import load_study
 
 SMALLEST_TYPE = 6.5
 """Points; smaller type cannot be read on paper."""
@@ -151,8 +152,12 @@ def test_the_papers_numbers_stand_beside_those_of_its_study_only(
     (plate,) = (plate for plate in FIGURES if plate.name == name)
 
     def of_study(*overrides: str) -> xr.Dataset:
-        config = resolved_toml(load_study("paper", overrides).config, "made up")
-        return results.assign_attrs(title="fibermelt study paper", config=config)
+        config = load_study("paper", overrides).config
+        return results.assign_attrs(
+            title="fibermelt study paper",
+            config=resolved_toml(config, "made up"),
+            **conditions_of(config),
+        )
 
     assert "The paper's text" in plate.words(of_study()).caption
     assert "The paper's text" in plate.words(of_study("voids.moisture=0.3 %")).caption

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from PIL import Image
 from stored_bead import stored_results, stored_summary
 
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import StoreError
 from fibermelt.parts.bead.figures.interactive import MOST_ANGLES, MOST_LINES, bead_data
@@ -32,6 +31,7 @@ from fibermelt.report.page.page import render
 from fibermelt.report.page.sections import FURTHER, SECTIONS
 from fibermelt.report.page.sources import USES, read_sources, sources_of, written
 from fibermelt.study.config import Config
+from fibermelt.study.loading import resolve
 from fibermelt.units import parse
 
 LARGEST = 5_000_000

@@ -18,10 +18,10 @@ from swept_cases import (
 )
 
 from fibermelt.paper.claims.judge import claims
-from fibermelt.paper.claims.of_sweeps import swept_claims
 from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.words import varied_told
+from fibermelt.sweeps.claims import swept_claims
 from fibermelt.sweeps.descriptions import distribution_told
 from fibermelt.sweeps.table import sweep_table
 
@@ -212,7 +212,7 @@ def test_the_page_says_how_it_was_computed(tmp_path):
     _, words = read(render_sweep(collected, COMPUTED))
     assert "Of 6 results of the stage flow, 2 started from cold and 4 from that of a" in words
     # The contact point is off by a hundredth of the gap [mm]: most in the case before the failed.
-    assert re.search(r"Contact point, from the nozzle's axis 0\.040 −3 mm 5\. gap 4 mm", words)
+    assert re.search(r"Contact point 0\.040 −3 mm 5\. gap 4 mm", words)
     assert "flow 6 60.0 80.5" in words
     # From before it was recorded: no processor time.
     assert "cell 1 – 2.0" in words

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.engine.toml import study_of
+from fibermelt.engine.results import study_of
 from fibermelt.paper.claims.measures import (
     CENTER,
     LEFT,

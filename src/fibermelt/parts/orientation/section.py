@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from fibermelt.parts.orientation.models import model_in_words
+from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.tables import Column, fixed, folded, number, table
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fibermelt.engine.quantities import Quantity, declared
+from fibermelt.engine.quantities import Quantity as Q
+from fibermelt.engine.quantities import declared
 
 __all__ = ["COLUMNS", "QUANTITIES"]
 
@@ -24,10 +25,12 @@ COLUMNS: Mapping[str, str] = {
 }
 """Columns of the table without a unit of their own, each a variable ``check_<column>``."""
 
+# fmt: off
 QUANTITIES = declared(
-    *(Quantity(f"check_{column}", "check", "1", what) for column, what in COLUMNS.items()),
-    Quantity("check_seconds", "check", "s", "time that the check took"),
-    Quantity("check_ladder", "", "1", "how much of the ladder was climbed: brief, quick or full"),
-    Quantity("check_software", "", "1", "versions of what computed, when it was climbed"),
+    *(Q(f"check_{column}", "check", "1", what) for column, what in COLUMNS.items()),
+    Q("check_seconds", "check", "s", "time that the check took"),
+    Q("check_ladder", "", "1", "how much of the ladder was climbed: brief, quick or full"),
+    Q("check_software", "", "1", "versions of what computed, when it was climbed"),
 )
+# fmt: on
 """What this part stores, by name."""

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.tri import TriContourSet
 
-from fibermelt.engine.toml import study_of
+from fibermelt.engine.results import study_of
 from fibermelt.parts.bead.figures.surroundings import (
     LEVELS,
     draw_contours,

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import LinearTriInterpolator
 
-from fibermelt.engine.toml import study_of
+from fibermelt.engine.results import study_of
 from fibermelt.parts.bead.figures.surroundings import (
     LEVELS,
     Instant,

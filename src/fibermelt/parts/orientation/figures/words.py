@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fibermelt.parts.flow.figures.lines import features
+from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.figures.tensors import (
     angle_from,
     closure_row,
     component_along,
     tensors,
 )
-from fibermelt.parts.orientation.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.scene import MM
 from fibermelt.report.kit.style import Words
