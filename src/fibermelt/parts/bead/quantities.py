@@ -49,6 +49,17 @@ QUANTITIES = declared(
     Q("quantile", "quantile", "1", "share of isotropically entering fibers that lie below",
       swept="kept"),
     Q("side", "side", "1", "lower and upper bound; has no labels", stored=False, swept="kept"),
+    # What a sweep derives: of streamlines that pass no singular corner, the lowest.
+    *(Q(f"lowest_mean_{location}", "", "Pa",
+        f"lowest pressure on a fiber's surface, over the melt's{where}: the mean over "
+        "the initial angles, on the streamline where it is lowest",
+        title=f"Lowest mean extreme{title}", shown_in="MPa", stored=False, response=True,
+        derive=_lowest_mean(location))
+      for location, where, title in (
+          (0, "", ""),
+          (1, ", above the middle of the capillary", ", Loc. 1"),
+          (2, ", below the middle of the capillary", ", Loc. 2"),
+      )),
     # The fiber's cell.
     Q("fiber_model", "", "1", "what answers for the fiber"),
     Q("aspect_ratio", "", "1", "length over width of the fiber", title="Aspect ratio"),
@@ -114,26 +125,6 @@ QUANTITIES = declared(
       "quantiles of the extreme for an isotropic start"),
     Q("zone_angle", "streamline initial_angle zone", "rad",
       "angle of the fiber to the streamline at the zone"),
-    # What a sweep derives: of streamlines that pass no singular corner, the lowest.
-    *(
-        Q(
-            f"lowest_mean_{location}",
-            "",
-            "Pa",
-            f"lowest pressure on a fiber's surface, over the melt's{where}: the mean over the "
-            "initial angles, on the streamline where it is lowest",
-            title=f"Lowest mean extreme{title}",
-            shown_in="MPa",
-            stored=False,
-            response=True,
-            derive=_lowest_mean(location),
-        )
-        for location, where, title in (
-            (0, "", ""),
-            (1, ", above the middle of the capillary", ", Loc. 1"),
-            (2, ", below the middle of the capillary", ", Loc. 2"),
-        )
-    ),
 )
 # fmt: on
 """What this part stores, by name."""

@@ -95,8 +95,6 @@ QUANTITIES = declared(
       "what dx/dt = u or du/dt = L u misses, over the way or the velocity's changes"),
     Q("path_coarseness", "streamline", "1", "what every second point misses of the strain"),
     Q("path_notes", "streamline", "1", "what does not fit along the path"),
-    Q("law_rate", "law_point", "1/s", "rates of deformation at which the melt's law is drawn"),
-    Q("law_viscosity", "law_point", "Pa s", "viscosity of the melt at them"),
 )
 # fmt: on
 """What this part stores, by name."""

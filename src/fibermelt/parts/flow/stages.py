@@ -15,6 +15,7 @@ from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import LAW, law_of, thins
+from fibermelt.parts.melt.quantities import QUANTITIES as MELT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -235,9 +236,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     if parameters["flow.source"] != "deposition":
-        return paths_of(parameters, inputs, say).assign(
-            labelled(_law_curve(parameters), QUANTITIES)
-        )
+        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters), MELT))
 
     from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
 
@@ -263,7 +262,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "middle_time": stacked("middle_time"),
             **_law_curve(parameters),
         },
-        QUANTITIES,
+        QUANTITIES | MELT,
     )
 
 
