@@ -80,11 +80,6 @@ class Quantity:
         return self.shown_in or ("" if self.unit == "1" else self.unit)
 
     @property
-    def heading(self) -> str:
-        """Return its title and the unit that it is shown in."""
-        return f"{self.title} [{self.shown_unit}]" if self.shown_unit else self.title
-
-    @property
     def error(self) -> str:
         """Return the name of the quantity that estimates its error, if one does."""
         return f"{self.name}_error"

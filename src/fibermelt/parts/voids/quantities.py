@@ -117,12 +117,13 @@ QUANTITIES = declared(
       "if all are left out"),
     Q("void_bead_share_below", _BEAD, "1", "share of the flux that goes below the vapor pressure"),
     Q("void_critical_moisture", "", "1",
-      "moisture below which no bubble can grow on a fiber, whatever its direction, wherever it "
-      "is but on singular streamlines; NaN, among the responses of a sweep saturation, where no "
-      "moisture that the polymer can hold suffices", title="Critical moisture, worst fiber",
-      shown_in="%", response=True, derive=_moisture),
+      "critical moisture: below it no bubble can grow on a fiber, whatever its direction, wherever "
+      "it is but on singular streamlines; NaN, among the responses of a sweep saturation, where no "
+      "moisture that the polymer can hold suffices",
+      title="Critical moisture, worst fiber", shown_in="%", response=True, derive=_moisture),
     Q("void_critical_moisture_mean", "", "1",
-      "the same for the median fiber of an isotropic start, mean by flux over the streamlines",
+      "critical moisture of the median fiber of an isotropic start, mean by flux over the "
+      "streamlines but singular ones",
       title="Critical moisture, median fiber", shown_in="%", response=True),
 )
 # fmt: on

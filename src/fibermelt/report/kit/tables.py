@@ -14,7 +14,7 @@ from fibermelt import numerals
 from fibermelt.numerals import places, rounded
 
 if TYPE_CHECKING:
-    from fibermelt.engine.quantities import Quantity
+    pass
 
 __all__ = [
     "Column",
@@ -55,11 +55,6 @@ class Column:
     title: str
     unit: str = ""
     is_text: bool = False
-
-    @classmethod
-    def of(cls, quantity: Quantity) -> Column:
-        """Return the column of a quantity's numbers."""
-        return cls(quantity.title, quantity.shown_unit)
 
 
 def number(value: float | None, digits: int = 4) -> str:
