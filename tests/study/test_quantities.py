@@ -1,10 +1,16 @@
 """What the parts declare of their quantities fits together."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
+from stored_bead import stored_results
 
-from fibermelt.engine.quantities import Quantity
+from fibermelt.engine.quantities import Quantity, labelled
+from fibermelt.parts.bead.summary import summarize_bead
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
+from fibermelt.report.page.chapters import numbers
 from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.responses import responses_of
 from fibermelt.units import SHOWN, parse
@@ -55,6 +61,19 @@ def test_a_new_quantity_is_an_answer_of_a_sweep_by_its_declaration_alone(monkeyp
     (found,) = responses_of(collected, ("case",))
     assert (found.heading, found.meaning) == ("Length [mm]", "how long")
     np.testing.assert_allclose(found.values, [1.0, 3.0], rtol=1e-15)
+
+
+def test_a_new_number_of_the_flow_is_in_the_summary_and_on_the_page(monkeypatch):
+    bead = stored_results()
+    swell = Quantity("swell", "", "m", "how far it swells", "Swell", "mm")
+    monkeypatch.setitem(FLOW, "swell", swell)
+    monkeypatch.setitem(FLOW, "swell_error", Quantity("swell_error", "", "m", "its error"))
+    results = bead.assign(labelled({"swell": 2.5e-4, "swell_error": 1e-6}, FLOW))
+    summary = summarize_bead(results)
+    assert summary["flow"]["swell"] == 2.5e-4
+    told = re.sub(r"<[^>]+>", " ", numbers(results, summary))
+    assert re.search(r"Swell\s+0\.2500 ± 0\.0010\s+mm", told)
+    assert re.search(r"Swell\s+how far it swells", told)
 
 
 def test_units_that_are_shown_have_their_factors():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.engine.quantities import with_error
+from fibermelt.engine.quantities import Quantity, with_error
 from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 from fibermelt.report.kit.tables import Column, meanings, measured, number, printed, sized, table
@@ -30,8 +30,6 @@ __all__ = [
     "versions",
 ]
 
-QUANTITIES = FLOW | FIBER
-
 CELL = ("aspect_ratio", "domain_size", "shape_factor", "stall_angle", "tip_pressure")
 """What is told of the fiber."""
 
@@ -40,34 +38,28 @@ COLUMNS = (Column("Quantity", is_text=True), Column("Value"), Column("Unit", is_
 
 def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the numbers of fibers in the bead, with their units and error estimates."""
-    flow = [name for name in FLOW if name in summary["flow"]]
-    unknowns = ["cell_unknowns"] if summary["cell"]["unknowns"] else []
-    fiber = [*_told(results, CELL), *_in_its_melt(summary["cell"]), *_told(results, unknowns)]
+    flow = [one for name, one in FLOW.items() if name in summary["flow"]]
+    fiber = [FIBER[name] for name in CELL]
+    unknowns = [FIBER["cell_unknowns"]] if summary["cell"]["unknowns"] else []
+    in_its_melt = _in_its_melt(summary["cell"])
+    rows = [*_rows(results, fiber), *in_its_melt, *_rows(results, unknowns)]
     return Markup().join(
         [
-            table("The flow, ± estimated error", COLUMNS, _told(results, flow)) if flow else "",
-            table("The fiber, ± estimated error", COLUMNS, fiber),
-            meanings(
-                (QUANTITIES[name].title, QUANTITIES[name].meaning)
-                for name in (*flow, *CELL, *unknowns)
-            ),
+            table("The flow, ± estimated error", COLUMNS, _rows(results, flow)) if flow else "",
+            table("The fiber, ± estimated error", COLUMNS, rows),
+            meanings((one.title, one.meaning) for one in (*flow, *fiber, *unknowns)),
             _lines(summary),
         ]
     )
 
 
-def _told(results: xr.Dataset, names: Iterable[str]) -> list[tuple[str, str, str]]:
-    """Return some quantities of the results as rows: title, value ± error, unit."""
+def _rows(results: xr.Dataset, quantities: Iterable[Quantity]) -> list[tuple[str, str, str]]:
+    """Return quantities of the results as rows: title, value ± error, unit."""
     rows = []
-    for name in names:
-        one, (value, error) = QUANTITIES[name], with_error(results, name, QUANTITIES)
-        rows.append(
-            (
-                one.title,
-                printed(one.written(value, error)),
-                "" if math.isnan(value) else one.shown_unit,
-            )
-        )
+    for one in quantities:
+        value, error = with_error(results, one.name, FLOW | FIBER)
+        unit = "" if math.isnan(value) else one.shown_unit
+        rows.append((one.title, printed(one.written(value, error)), unit))
     return rows
 
 
