@@ -139,7 +139,7 @@ CHAIN = Chain(
     stages=(
         Stage(
             "flow",
-            6,
+            7,
             ("flow", LAW, *FLOW_NUMERICS),
             (),
             flow_stage,
