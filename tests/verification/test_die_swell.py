@@ -153,7 +153,7 @@ def test_a_thinning_melt_holds_the_strain_that_its_flow_has() -> None:
 
 @pytest.mark.parametrize("order", [6, 10])
 def test_strain_is_held_at_the_points_of_the_order_asked_for(order: int) -> None:
-    """A space of strains of degree p has the rule of 2 p: asked for 6 it takes 49 points, not 12."""
+    """A space of degree p has the rule of order 2 p: of degree 6 it has 49 points, and not 12."""
     mesh, _ = swell_problem(0.1)
     everywhere = ng.BitArray(mesh.ne)
     everywhere.Set()
