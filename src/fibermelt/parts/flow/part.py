@@ -39,7 +39,7 @@ PART = Part(
     brings=(
         Stage(
             "flow",
-            6,
+            7,
             ("flow", LAW, *FLOW_NUMERICS),
             (),
             f"{HERE}.stages:flow_stage",
