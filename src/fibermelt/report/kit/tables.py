@@ -6,15 +6,11 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
 from fibermelt import numerals
 from fibermelt.numerals import places, rounded
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = [
     "Column",
