@@ -1,12 +1,14 @@
-"""Patches of points around points: as rectangular arrays, and in axes of their own."""
+"""Patches of points around points: as rectangular arrays, in axes of their own, and polynomials."""
 
 from __future__ import annotations
+
+from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-__all__ = ["own_axes", "padded"]
+__all__ = ["monomials", "own_axes", "padded"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -32,3 +34,19 @@ def padded(pattern: csr_array, fill: Index) -> tuple[Index, NDArray[np.bool_]]:
     around = np.repeat(fill[:, None], is_own.shape[1], axis=1)
     around[is_own] = pattern.indices
     return around, is_own
+
+
+def monomials(y: Array, degree: int) -> Array:
+    """Return the products of one to ``degree`` coordinates (b, d, k) as rows (b, q, k), in order.
+
+    d, then d (d + 1) / 2, then the cubic ones: what a fit of lower degree takes comes first.
+    """
+    b, d, k = y.shape
+    degrees = range(1, degree + 1)
+    axes = [item for n in degrees for item in combinations_with_replacement(range(d), n)]
+    place = {item: number for number, item in enumerate(axes)}
+    rows = np.empty((b, len(axes), k))
+    rows[:, :d] = y
+    for number, item in enumerate(axes[d:], start=d):
+        np.multiply(rows[:, place[item[:-1]]], y[:, item[-1]], out=rows[:, number])
+    return rows

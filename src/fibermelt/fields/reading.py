@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from itertools import permutations
 from pathlib import Path
@@ -37,7 +36,7 @@ from fibermelt.fields.simplices import (
     signed_sizes,
     used_only,
 )
-from fibermelt.units import parse
+from fibermelt.units import parse_plane
 
 __all__ = ["FieldContents", "describe_field", "read_field"]
 
@@ -515,11 +514,11 @@ def _swapped(raw: _Raw) -> _Raw:
 
 def _plane(text: str, raw: _Raw, wanted: FieldMap, axis: str) -> tuple[int, float, str]:
     """Return direction, place and text of a plane of symmetry such as ``y`` or ``y = 2 mm``."""
-    match = re.fullmatch(r"\s*([xyz])\s*(?:=\s*(.+?)\s*)?", text)
-    if match is None:
-        msg = f'field.mirror = "{legible(text)}": must be "x", "y" or "z", or such as "y = 2 mm"'
-        raise ConfigError(msg)
-    direction = "xyz".index(match.group(1))
+    try:
+        direction, place = parse_plane(text)
+    except ConfigError as error:
+        msg = f'field.mirror = "{legible(text)}": {error}'
+        raise ConfigError(msg) from error
     if direction >= raw.points.shape[1]:
         msg = f'field.mirror = "{legible(text)}": the field is planar, it has no z'
         raise ConfigError(msg)
@@ -529,11 +528,6 @@ def _plane(text: str, raw: _Raw, wanted: FieldMap, axis: str) -> tuple[int, floa
             "around it; leave the plane away"
         )
         raise ConfigError(msg)
-    try:
-        place = parse(match.group(2), "m") if match.group(2) else 0.0
-    except ConfigError as error:
-        msg = f'field.mirror = "{legible(text)}" {error}'
-        raise ConfigError(msg) from error
     return 1 - direction if axis == "y" else direction, place, text
 
 

@@ -10,13 +10,11 @@ SIAM J. Sci. Comput. 26, 1192 (doi:10.1137/S1064827503402837), with quadratics w
 
 from __future__ import annotations
 
-from itertools import combinations_with_replacement
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from fibermelt.fields.patches import own_axes, padded
+from fibermelt.fields.patches import monomials, own_axes, padded
 from fibermelt.fields.simplices import adjacency, facets
 
 __all__ = ["recovered_gradient"]
@@ -40,21 +38,6 @@ nodes lie on a cubic."""
 
 ROWS, ENTRIES = 20_000, 2_000_000
 """Nodes whose patches are gathered at once, numbers of a batch of fits: 16 MB an array."""
-
-
-def _monomials(y: Array) -> Array:
-    """Return the products of one to three coordinates (b, d, k) as rows (b, q, k), in that order.
-
-    d, then d (d + 1) / 2, then the cubic ones: what a fit of lower degree takes comes first.
-    """
-    b, d, k = y.shape
-    axes = [item for n in (1, 2, 3) for item in combinations_with_replacement(range(d), n)]
-    place = {item: number for number, item in enumerate(axes)}
-    rows = np.empty((b, len(axes), k))
-    rows[:, :d] = y
-    for number, item in enumerate(axes[d:], start=d):
-        np.multiply(rows[:, place[item[:-1]]], y[:, item[-1]], out=rows[:, number])
-    return rows
 
 
 def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array, Array]:
@@ -167,7 +150,7 @@ def _patch(
     rise = velocity[around] - velocity[centre, None]
     axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
-    basis = _monomials(y)
+    basis = monomials(y, 3)
     near = np.exp(-DECAY / d * np.einsum("bik,bik->bk", y, y))
     cubic, inverse, condition = _fit(basis, rise, near)
     of_two = d + d * (d + 1) // 2

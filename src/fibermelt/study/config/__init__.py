@@ -14,7 +14,7 @@ from fibermelt.study.config.interaction import Interaction
 from fibermelt.study.config.melt import Melt
 from fibermelt.study.config.numerics import Numerics
 from fibermelt.study.config.parts import PartName, What
-from fibermelt.study.config.paths import Paths
+from fibermelt.study.config.paths import STATIONS, Paths
 from fibermelt.study.config.sensitivity import Sensitivity
 from fibermelt.study.config.thinning import Thinning
 from fibermelt.study.melt import melt_of, refuse_incomplete, refuse_unphysical, thins, values_of
@@ -173,13 +173,17 @@ class Config(Section):
                 )
                 raise ValueError(msg)
         default = Paths()
+        read = {
+            "field": tuple(Paths.model_fields),
+            "histories": ("file", "content", *STATIONS),
+            "deposition": ("file", "content"),
+        }
         idle = [
             name
             for name in Paths.model_fields
-            if name not in ("file", "content")
-            and getattr(self.paths, name) != getattr(default, name)
+            if name not in read[source] and getattr(self.paths, name) != getattr(default, name)
         ]
-        if idle and source != "field":
+        if idle:
             msg = (
                 f'paths.{idle[0]}: is not read with flow.source = "{source}": leave it away, or '
                 'say flow.source = "field"'
