@@ -74,15 +74,24 @@ ABSOLUTE = (9e4, 1.1e5)
 """Lowest pressure [Pa] that makes it look absolute: an atmosphere."""
 
 
+OF_CELLS = 2.0
+"""Times the estimate of the gradient's error where velocities were led from cells to nodes: by
+quadratics, whose error is of the order of the estimate, and comes on top of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Raw:
-    """A flow in SI on its way: nodes (n, d), simplices, velocity (n, d), gradient (n, d, d)."""
+    """A flow in SI on its way: nodes (n, d), simplices, velocity (n, d), gradient (n, d, d).
+
+    And whether the velocity was taken from cells to the nodes.
+    """
 
     points: Array
     cells: Index
     velocity: Array
     gradient: Array | None
     scalars: dict[str, Array]
+    from_cells: bool = False
 
     def at(self, nodes: Index, cells: Index) -> _Raw:
         """Return the flow with some of its nodes, and these cells on them."""
@@ -92,6 +101,7 @@ class _Raw:
             self.velocity[nodes],
             None if self.gradient is None else self.gradient[nodes],
             {name: values[nodes] for name, values in self.scalars.items()},
+            self.from_cells,
         )
 
     def with_cells(self, cells: Index) -> _Raw:
@@ -402,12 +412,14 @@ def _in_si(contents: Contents, wanted: FieldMap, notes: list[str]) -> _Raw:
                 f"the lowest pressure is {lowest:.6g} Pa: if it is absolute, say "
                 'field.pressure_zero = "101325 Pa"'
             )
+    named = {roles["velocity"], *(name.strip() for name in roles["velocity"].split(","))}
     return _Raw(
         np.asarray(contents.points, dtype=np.float64) * scale.factor,
         np.empty((0, width + 1), dtype=np.int64),
         velocity[:, :width],
         gradient,
         values,
+        from_cells=bool(named & contents.from_cells),
     )
 
 
@@ -568,6 +580,7 @@ def _mirrored(raw: _Raw, direction: int, place: float, text: str = "") -> _Raw:
         np.concatenate([raw.velocity, raw.velocity[other] * sign]),
         gradient,
         {name: np.concatenate([v, v[other]]) for name, v in raw.scalars.items()},
+        raw.from_cells,
     )
 
 
@@ -603,7 +616,7 @@ def _field(raw: _Raw, geometry: Geometry, notes: list[str]) -> Field:
             around = _mirrored(raw, 1, 0.0)
             raw = around.at(np.arange(n), raw.cells)
     slope, doubt = recovered_gradient(around.points, around.cells, around.velocity)
-    slope, doubt = slope[:n], doubt[:n]
+    slope, doubt = slope[:n], doubt[:n] * (OF_CELLS if raw.from_cells else 1.0)
     if raw.gradient is not None:
         slope, apart = _from_file(raw.gradient, slope, notes)
         # between nodes the file's is no better known than the recovered one

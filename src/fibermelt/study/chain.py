@@ -147,7 +147,7 @@ CHAIN = Chain(
             but_for_scale=flow_but_for_scale,
             estimates=flow_estimates,
         ),
-        Stage("field", 3, ("field",), (), field_stage),
+        Stage("field", 4, ("field",), (), field_stage),
         Stage(
             "streamlines",
             4,
@@ -199,7 +199,7 @@ CHAIN = Chain(
         ),
         Stage(
             "voids",
-            2,
+            3,
             VOID_PARAMETERS,
             ("streamlines", "cell", "motion"),
             voids_stage,
