@@ -212,6 +212,10 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
         (["paths.file=nothing.csv"], "nothing.csv: cannot be read"),
         (['flow.source="field"', "field.file=here", 'study.parts=["bead", "claims"]'], "claims"),
         (["paths.count=7"], "paths.count: is not read with flow.source"),
+        (
+            ["flow.source=histories", "paths.file=here", "streamlines.points=300"],
+            "streamlines.points = 300: is not read with flow.source",
+        ),
         (['paths.exit="y = 3 mm"'], "paths.exit: is not read with flow.source"),
         (['paths.exit="y + 3 mm"'], 'must be "x", "y" or "z", or such as "y = 2 mm"'),
         (['paths.seeds="points"'], "without paths.points"),

@@ -126,8 +126,9 @@ def _patch(
     # short patches are filled up with the centre, which adds nothing to a fit through it
     around, is_own = padded(pattern, centre)
     length = is_own.sum(axis=1)
-    away = points[around] - points[centre, None]
-    rise = velocity[around] - velocity[centre, None]
+    table = np.column_stack([points, velocity])
+    beyond = np.take(table, around, axis=0) - table[centre, None]
+    away, rise = beyond[..., :d], beyond[..., d:]
     axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
     basis = monomials(y, 3)

@@ -189,6 +189,13 @@ class Config(Section):
                 'say flow.source = "field"'
             )
             raise ValueError(msg)
+        points, usual = self.streamlines.points, type(self.streamlines)().points
+        if source == "histories" and points != usual:
+            msg = (
+                f'streamlines.points = {points}: is not read with flow.source = "histories": a '
+                "path keeps the points that its table gives it; leave it away"
+            )
+            raise ValueError(msg)
         known = [name for name in DEPOSITION_PARTS if name in self.study.parts]
         if source != "deposition" and known:
             msg = (
