@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fibermelt.study.bead.fiber import (
     cell_estimates,
     cell_stage,
+    foresee_motion,
     motion_estimates,
     motion_stage,
 )
@@ -188,6 +189,7 @@ CHAIN = Chain(
             inputs_if=_in_the_melt,
             light_if=_always,
             estimates=motion_estimates,
+            foresee=foresee_motion,
         ),
         Stage(
             "orientation",
