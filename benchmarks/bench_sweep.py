@@ -13,14 +13,14 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from fibermelt.engine.loading import load_study
+from fibermelt.engine.parameters import flatten
+from fibermelt.engine.stages import stage_parameters
+from fibermelt.engine.store import Store
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.loading import load_study
-from fibermelt.study.parameters import flatten
-from fibermelt.study.stages import stage_parameters
-from fibermelt.study.store import Store
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.plan import plan_sweep
-from fibermelt.study.sweep.runner import run_sweep
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.plan import plan_sweep
+from fibermelt.sweeps.runner import run_sweep
 
 CASES = int(os.environ.get("BENCH_SWEEP_CASES", "600"))
 """Cases that need the fiber stages only; 10000 for the whole claim."""

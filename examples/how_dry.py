@@ -10,7 +10,7 @@ there is none, and no drying helps.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fibermelt.study.materials import load_card
+from fibermelt.parts.melt.cards import load_card
 from fibermelt.voids import ATMOSPHERE, saturation_pressure
 
 card = load_card("paper")  # the paper's melt; every value has its source, or is an estimate

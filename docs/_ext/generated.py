@@ -29,8 +29,8 @@ def fill_in(text: str) -> str:
 
 def parameters() -> str:
     """Return every parameter of a study, by table."""
+    from fibermelt.engine.parameters import declarations  # noqa: PLC0415
     from fibermelt.study.config import Config  # noqa: PLC0415  lazy: a page at a time
-    from fibermelt.study.parameters import declarations  # noqa: PLC0415
 
     lines, section = [], ""
     for item in declarations(Config):
@@ -51,7 +51,7 @@ def parameters() -> str:
 
 
 def _default(written: object) -> str:
-    from fibermelt.study.toml import toml_value  # noqa: PLC0415  lazy, as in parameters
+    from fibermelt.engine.toml import toml_value  # noqa: PLC0415  lazy, as in parameters
 
     return f"`{toml_value(written)}`"
 
@@ -108,7 +108,7 @@ def _at(name: str) -> str:
 
 def variables() -> str:
     """Return every variable of results.nc: dimensions, unit, what it is."""
-    from fibermelt.study.variables import VARIABLES  # noqa: PLC0415  lazy, as in parameters
+    from fibermelt.parts.variables import VARIABLES  # noqa: PLC0415  lazy, as in parameters
 
     rows = (
         (f"`{name}`", f"`{dimensions}`" if dimensions else "", unit, doc)
@@ -144,7 +144,7 @@ def studies() -> str:
 
 def materials() -> str:
     """Return the cards that ship: the law of viscosity, and what else is known."""
-    from fibermelt.study.materials import load_card, material_names  # noqa: PLC0415  lazy
+    from fibermelt.parts.melt.cards import load_card, material_names  # noqa: PLC0415  lazy
 
     lines = []
     for card in map(load_card, material_names()):
@@ -177,7 +177,7 @@ def closures() -> str:
 
 def bibliography() -> str:
     """Return every source, as the report writes it."""
-    from fibermelt.report.sources import read_sources, written  # noqa: PLC0415  lazy
+    from fibermelt.report.page.sources import read_sources, written  # noqa: PLC0415  lazy
 
     return "\n".join(f"- {written(source)}" for source in read_sources().values())
 

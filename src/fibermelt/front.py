@@ -16,21 +16,21 @@ from typing import Any
 
 import xarray as xr
 
+from fibermelt.engine.finished import Finished, read_finished
+from fibermelt.engine.loading import Study, load_study, resolve
+from fibermelt.engine.outputs import has_run
+from fibermelt.engine.progress import Observer, observing
+from fibermelt.engine.runner import run_study as run_into
+from fibermelt.engine.runner import summarize
+from fibermelt.engine.schema import REPORT
 from fibermelt.errors import ConfigError, legible
-from fibermelt.report.lazily import draw, render
+from fibermelt.parts.variables import study_of
+from fibermelt.report.page.lazily import draw, render
 from fibermelt.study.chain import CHAIN
-from fibermelt.study.finished import Finished, read_finished
-from fibermelt.study.loading import Study, load_study, resolve
-from fibermelt.study.outputs import has_run
-from fibermelt.study.progress import Observer, observing
-from fibermelt.study.runner import run_study as run_into
-from fibermelt.study.runner import summarize
-from fibermelt.study.schema import REPORT
-from fibermelt.study.sweep.collect import collect_sweep
-from fibermelt.study.sweep.design import read_sweep
-from fibermelt.study.sweep.runner import run_sweep
-from fibermelt.study.sweep.store import CaseStore
-from fibermelt.study.variables import study_of
+from fibermelt.sweeps.collect import collect_sweep
+from fibermelt.sweeps.design import read_sweep
+from fibermelt.sweeps.runner import run_sweep
+from fibermelt.sweeps.store import CaseStore
 
 __all__ = ["StudyAccessor", "open_results", "run_study", "sweep"]
 
@@ -248,7 +248,7 @@ class StudyAccessor:
         """Return the same for a notebook: the answer that the page begins with."""
         if not self._is_run:
             return f"<p>{escape(repr(self))}</p>"
-        from fibermelt.report.answer import answer  # noqa: PLC0415  lazy: matplotlib
+        from fibermelt.report.page.answer import answer  # noqa: PLC0415  lazy: matplotlib
 
         return str(answer(self._results, self.summary))
 

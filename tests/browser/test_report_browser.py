@@ -18,8 +18,8 @@ from sizes import (
 )
 from stored_bead import stored_results, stored_summary
 
-from fibermelt.report.html import render
-from fibermelt.study.voids.summary import summarize_voids
+from fibermelt.parts.voids.summary import summarize_voids
+from fibermelt.report.page.page import render
 
 
 @pytest.fixture(scope="module")

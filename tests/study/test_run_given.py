@@ -13,8 +13,10 @@ from coarse_runs import COARSE, fibermelt
 from dialects import Sample, fluent, sectionwise
 from exact_flows import Mesh
 
-from fibermelt.report.scene import read_scene
-from fibermelt.study.bead.fiber import stored_path
+from fibermelt.parts.bead.stages import stored_path
+from fibermelt.report.kit.scene import read_scene
+
+pytestmark = pytest.mark.end_to_end
 
 WITHIN = 0.04
 """Part of an extreme by which it may differ away from singular corners: 0.024 on the coarse mesh,

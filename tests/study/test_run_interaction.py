@@ -9,7 +9,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.report.interaction import INTERACTION_FIGURES
+from fibermelt.parts.interaction.figures import INTERACTION_FIGURES
+
+pytestmark = pytest.mark.end_to_end
 
 KEYS = [
     "interaction",

@@ -27,8 +27,8 @@ def verify(
     before, an error or an observed order of convergence. The exit code is 1 if one fails.
     """
     with told():
-        from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none
-        from fibermelt.study.wrapping import wrapped  # noqa: PLC0415
+        from fibermelt.engine.progress import observing  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.engine.wrapping import wrapped  # noqa: PLC0415
         from fibermelt.verify.ladder import climb  # noqa: PLC0415
         from fibermelt.verify.rungs import LADDER  # noqa: PLC0415
         from fibermelt.verify.words import as_answer, in_words  # noqa: PLC0415

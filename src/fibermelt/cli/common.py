@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fibermelt.engine.progress import silence
 from fibermelt.errors import (
     ConfigError,
     ConvergenceError,
@@ -20,10 +21,9 @@ from fibermelt.errors import (
     StoreError,
     legible,
 )
-from fibermelt.study.progress import silence
 
 if TYPE_CHECKING:
-    from fibermelt.study.loading import Study
+    from fibermelt.engine.loading import Study
 
 __all__ = [
     "INCOMPLETE",
@@ -109,8 +109,8 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard
 
 def read_study(study: str, sets: Sequence[str] | None, over: Sequence[str] | None = None) -> Study:
     """Return a study as a command names it; tell what of it is allowed, and hardly meant."""
+    from fibermelt.engine.loading import load_study  # noqa: PLC0415
     from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
-    from fibermelt.study.loading import load_study  # noqa: PLC0415
 
     resolved = load_study(study, sets or [], over or [])
     for line in CHAIN.unread(resolved):
@@ -164,7 +164,7 @@ def complain(text: str) -> None:
 
 def columns() -> int:
     """Return how many columns the terminal has that standard output is, or is to have."""
-    from fibermelt.study.wrapping import WIDTH  # noqa: PLC0415  lazy: help needs none of it
+    from fibermelt.engine.wrapping import WIDTH  # noqa: PLC0415  lazy: help needs none of it
 
     return shutil.get_terminal_size((WIDTH, 0)).columns
 

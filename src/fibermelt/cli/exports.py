@@ -36,7 +36,7 @@ def export(
         if to is not None and not to.strip():
             msg = '--to "": is no name of a folder; write one, or leave --to away'
             raise ConfigError(msg)
-        from fibermelt.study.export import LINES, export_run  # noqa: PLC0415  lazy, as in run
+        from fibermelt.report.export import LINES, export_run  # noqa: PLC0415  lazy, as in run
 
         folder = given_folder(directory)
         found = export_run(folder, Path(to) if to else folder / EXPORT)

@@ -92,7 +92,7 @@ def orbit(
     Tells its period, or where it stalls, and the pressure extremes on it over the turn.
     """
     with told():
-        from fibermelt.study.questions.orbit import (  # noqa: PLC0415  lazy, as in run
+        from fibermelt.questions.orbit import (  # noqa: PLC0415  lazy, as in run
             OrbitStudy,
             orbit_in_words,
             read_melt,
@@ -127,7 +127,7 @@ def orbit(
 
 def _given(option: str, text: str | None) -> float | None:
     """Return the pure number that an option says, or None where it is left out."""
-    from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+    from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
 
     return None if text is None else read_quantity(option, text, "")
 
@@ -197,8 +197,8 @@ def orientation(
     rate of the flow does not matter.
     """
     with told():
-        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.questions.orientation import (  # noqa: PLC0415
+        from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.questions.orientation import (  # noqa: PLC0415
             OrientationStudy,
             orientation_in_words,
             read_parameters,
@@ -244,12 +244,12 @@ def domain_size(
     It is the cell whose fiber stalls at the angle at which most fibers of that content lie.
     """
     with told():
-        from fibermelt.study.questions.domain_size import (  # noqa: PLC0415  lazy, as in run
+        from fibermelt.questions.domain_size import (  # noqa: PLC0415  lazy, as in run
             DomainStudy,
             domain_in_words,
             run_domain_size,
         )
-        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415
+        from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415
 
         answer = run_domain_size(
             DomainStudy(

@@ -29,9 +29,9 @@ def fields(
     that reads it.
     """
     with told():
+        from fibermelt.engine.wrapping import wrapped  # noqa: PLC0415
         from fibermelt.fields.reading import describe_field  # noqa: PLC0415  lazy, as in run
         from fibermelt.fields.words import field_in_words  # noqa: PLC0415
-        from fibermelt.study.wrapping import wrapped  # noqa: PLC0415
 
         found = describe_field(file)
         say(

@@ -24,7 +24,7 @@ from fibermelt.cli.common import (
 from fibermelt.errors import legible
 
 if TYPE_CHECKING:
-    from fibermelt.study.parameters import Declaration
+    from fibermelt.engine.parameters import Declaration
 
 __all__ = ["plan"]
 
@@ -54,9 +54,9 @@ def plan(
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
-        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
-        from fibermelt.study.sweep.pools import cores, refuse_workers  # noqa: PLC0415
-        from fibermelt.study.sweep.status import list_plan  # noqa: PLC0415
+        from fibermelt.sweeps.design import read_sweep  # noqa: PLC0415
+        from fibermelt.sweeps.pools import cores, refuse_workers  # noqa: PLC0415
+        from fibermelt.sweeps.status import list_plan  # noqa: PLC0415
 
         refuse_workers(workers, None)
         swept = read_study(study, sets, over)
@@ -67,9 +67,9 @@ def plan(
 
 
 def _in_words(listed: Mapping[str, Any]) -> str:
+    from fibermelt.engine.parameters import declarations  # noqa: PLC0415
+    from fibermelt.engine.wrapping import hanging, unbroken, wrapped  # noqa: PLC0415
     from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in plan
-    from fibermelt.study.parameters import declarations  # noqa: PLC0415
-    from fibermelt.study.wrapping import hanging, unbroken, wrapped  # noqa: PLC0415
 
     known = {item.key: item for item in declarations(Config)}
     width = columns()
@@ -104,7 +104,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
 
 def _cost(estimate: Mapping[str, Any]) -> str:
     """Return what the rest of a sweep will cost, as far as what is stored tells."""
-    from fibermelt.study.progress import duration  # noqa: PLC0415  lazy, as in plan
+    from fibermelt.engine.progress import duration  # noqa: PLC0415  lazy, as in plan
 
     missing = ", ".join(estimate["unknown"])
     if not estimate["work"]:
@@ -124,7 +124,7 @@ def _size(size: float) -> str:
 
 def _number(value: object, about: Declaration) -> str:
     """Return a value as a person writes it: in the unit of its default."""
-    from fibermelt.study.sweep.table import DIGITS, written_in  # noqa: PLC0415  lazy, as in plan
+    from fibermelt.sweeps.table import DIGITS, written_in  # noqa: PLC0415  lazy, as in plan
 
     if isinstance(value, bool) or not isinstance(value, int | float):
         return legible(str(value))

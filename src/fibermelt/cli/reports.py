@@ -27,10 +27,10 @@ def report(
     It is DIR/report.html, one file that needs no other; every finished run has one already.
     """
     with told():
-        from fibermelt.report.html import write_report  # noqa: PLC0415  lazy, as in run
+        from fibermelt.engine.outputs import has_run  # noqa: PLC0415
+        from fibermelt.report.page.page import write_report  # noqa: PLC0415  lazy, as in run
         from fibermelt.report.sweep.page import write_sweep_report  # noqa: PLC0415
-        from fibermelt.study.outputs import has_run  # noqa: PLC0415
-        from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
+        from fibermelt.sweeps.store import CaseStore  # noqa: PLC0415
 
         folder = given_folder(directory)
         is_sweep = (folder / "sweep.json").exists()

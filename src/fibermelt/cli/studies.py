@@ -44,12 +44,12 @@ def run(
     Progress goes to standard error, the numbers to standard output.
     """
     with told():
-        from fibermelt.report.lazily import draw, render  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.engine.loading import replaces_another  # noqa: PLC0415
+        from fibermelt.engine.parts import in_words  # noqa: PLC0415
+        from fibermelt.engine.progress import observing  # noqa: PLC0415
+        from fibermelt.engine.runner import run_study  # noqa: PLC0415
+        from fibermelt.report.page.lazily import draw, render  # noqa: PLC0415  lazy: help needs none
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415
-        from fibermelt.study.loading import replaces_another  # noqa: PLC0415
-        from fibermelt.study.parts import in_words  # noqa: PLC0415
-        from fibermelt.study.progress import observing  # noqa: PLC0415
-        from fibermelt.study.runner import run_study  # noqa: PLC0415
 
         resolved = read_study(study, sets)
         if resolved.sweep is not None:
@@ -94,10 +94,10 @@ def validate(
     parameters as resolved, in SI.
     """
     with told():
+        from fibermelt.engine.parameters import flatten  # noqa: PLC0415
+        from fibermelt.engine.wrapping import unbroken, wrapped  # noqa: PLC0415
         from fibermelt.study.notes import study_notes  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.parameters import flatten  # noqa: PLC0415
-        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415
-        from fibermelt.study.wrapping import unbroken, wrapped  # noqa: PLC0415
+        from fibermelt.sweeps.design import read_sweep  # noqa: PLC0415
 
         resolved = read_study(study, sets, over)
         swept = None if resolved.sweep is None else read_sweep(resolved)
@@ -124,9 +124,9 @@ def defaults(as_json: JsonOption = False) -> None:
     With its meaning, unit, range, default and source, as TOML: a study file to begin with.
     """
     with told():
+        from fibermelt.engine.parameters import declarations  # noqa: PLC0415
+        from fibermelt.engine.toml import defaults_toml  # noqa: PLC0415
         from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.parameters import declarations  # noqa: PLC0415
-        from fibermelt.study.toml import defaults_toml  # noqa: PLC0415
 
         if not as_json:
             say(defaults_toml(), newline=False)

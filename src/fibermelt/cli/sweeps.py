@@ -30,13 +30,13 @@ from fibermelt.cli.common import (
     told,
 )
 from fibermelt.cli.signals import Ended, ended_in_order
+from fibermelt.engine.progress import Silent
 from fibermelt.errors import ConfigError, legible
-from fibermelt.study.progress import Silent
 
 if TYPE_CHECKING:
-    from fibermelt.study.loading import Study
-    from fibermelt.study.progress import Observer
-    from fibermelt.study.sweep.design import Sweep
+    from fibermelt.engine.loading import Study
+    from fibermelt.engine.progress import Observer
+    from fibermelt.sweeps.design import Sweep
 
 __all__ = ["clean", "collect", "resume", "status", "sweep"]
 
@@ -75,7 +75,7 @@ class _Notes(Silent):
 @contextmanager
 def _watching(*, as_json: bool) -> Iterator[Observer]:
     """Yield the observer of a sweep: a silent one where JSON is asked for."""
-    from fibermelt.study.progress import observing  # noqa: PLC0415  lazy: help needs none of it
+    from fibermelt.engine.progress import observing  # noqa: PLC0415  lazy: help needs none of it
 
     if not as_json:
         with observing() as observer:
@@ -107,7 +107,7 @@ def sweep(
     """
 
     def read() -> tuple[Sweep, Study, Path]:
-        from fibermelt.study.sweep.design import read_sweep  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.sweeps.design import read_sweep  # noqa: PLC0415  lazy, as in _watching
 
         swept = read_study(study, sets, over)
         return read_sweep(swept, cold=cold), swept, results_folder(out, swept.name)
@@ -129,8 +129,8 @@ def resume(
     """
 
     def read() -> tuple[Sweep, Study, Path]:
-        from fibermelt.study.sweep.record import restored  # noqa: PLC0415  lazy, as above
-        from fibermelt.study.sweep.store import CaseStore  # noqa: PLC0415
+        from fibermelt.sweeps.record import restored  # noqa: PLC0415  lazy, as above
+        from fibermelt.sweeps.store import CaseStore  # noqa: PLC0415
 
         folder = given_folder(directory)
         return *restored(CaseStore(folder)), folder
@@ -147,7 +147,7 @@ def _go(
 ) -> None:
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep.runner import run_sweep  # noqa: PLC0415
+        from fibermelt.sweeps.runner import run_sweep  # noqa: PLC0415
 
         swept, study, folder = read()
         try:
@@ -186,7 +186,7 @@ def _end_by(found: Mapping[str, Any]) -> None:
 
 def _tell(lines: Iterable[str]) -> None:
     """Print lines for a person that hold no path, none longer than the terminal is wide."""
-    from fibermelt.study.wrapping import wrapped  # noqa: PLC0415  lazy, as in _watching
+    from fibermelt.engine.wrapping import wrapped  # noqa: PLC0415  lazy, as in _watching
 
     say(wrapped(lines, columns()))
 
@@ -209,7 +209,7 @@ def status(directory: Folder, as_json: JsonOption = False) -> None:
     The exit code is 0 if every case is done, 1 if some have no answer or are to do.
     """
     with told():
-        from fibermelt.study.sweep.status import sweep_status  # noqa: PLC0415  lazy, as above
+        from fibermelt.sweeps.status import sweep_status  # noqa: PLC0415  lazy, as above
 
         folder = given_folder(directory)
         found = sweep_status(folder)
@@ -252,7 +252,7 @@ def clean(
     """
     with told():
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy, as in _watching
-        from fibermelt.study.sweep.status import list_unneeded, remove_unneeded  # noqa: PLC0415
+        from fibermelt.sweeps.status import list_unneeded, remove_unneeded  # noqa: PLC0415
 
         folder = given_folder(directory)
         unneeded = list_unneeded(folder, CHAIN)
@@ -300,7 +300,7 @@ def collect(
         if to is not None and not to.strip():
             msg = '--to "": is no name of a file; write one, or leave --to away'
             raise ConfigError(msg)
-        from fibermelt.study.sweep.collect import (  # noqa: PLC0415  lazy, as in _watching
+        from fibermelt.sweeps.collect import (  # noqa: PLC0415  lazy, as in _watching
             SUFFIXES,
             collect_sweep,
             write_csv,

@@ -49,10 +49,10 @@ def voids(
     asked for. The pressures on fibers stay those of the run. Nothing in DIR is changed.
     """
     with told():
-        from fibermelt.study.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.study.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415
-        from fibermelt.study.voids.summary import voids_in_words  # noqa: PLC0415
-        from fibermelt.study.wrapping import wrapped  # noqa: PLC0415
+        from fibermelt.engine.wrapping import wrapped  # noqa: PLC0415
+        from fibermelt.parts.voids.summary import voids_in_words  # noqa: PLC0415
+        from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
+        from fibermelt.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415
 
         question = VoidQuestion(
             material=material,

@@ -14,8 +14,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fibermelt.errors import ConfigError, legible
-from fibermelt.report.figures import FIGURES
-from fibermelt.report.spread import draw_spread
+from fibermelt.parts.bead.figures.spread import draw_spread
+from fibermelt.report.page.figures import FIGURES
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -5,14 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.study.bead.fiber import (
+from fibermelt.engine.parts import Chain, Part
+from fibermelt.engine.stages import Stage
+from fibermelt.paper.claims.stages import CLAIM_TABLES, claims_stage, fed_by_parts
+from fibermelt.paper.claims.summary import claims_in_words, summarize_claims
+from fibermelt.paper.dimensions.stages import DIMENSIONS_PARAMETERS, dimensions_stage
+from fibermelt.paper.orbits.stages import ORBITS_PARAMETERS, orbits_stage
+from fibermelt.paper.orbits.summary import (
+    dimensions_in_words,
+    orbits_in_words,
+    summarize_dimensions,
+    summarize_orbits,
+)
+from fibermelt.parts.bead.response import response_estimates, response_stage
+from fibermelt.parts.bead.stages import (
     cell_estimates,
     cell_stage,
     foresee_motion,
     motion_estimates,
     motion_stage,
 )
-from fibermelt.study.bead.flow import (
+from fibermelt.parts.bead.summary import bead_in_words, summarize_bead
+from fibermelt.parts.flow.imported import field_stage
+from fibermelt.parts.flow.stages import (
     FLOW_NUMERICS,
     flow_but_for_scale,
     flow_estimates,
@@ -22,50 +37,35 @@ from fibermelt.study.bead.flow import (
     streamlines_stage,
     write_fields,
 )
-from fibermelt.study.bead.imported import field_stage
-from fibermelt.study.bead.response import response_estimates, response_stage
-from fibermelt.study.bead.summary import bead_in_words, summarize_bead
-from fibermelt.study.claims.stage import CLAIM_TABLES, claims_stage, fed_by_parts
-from fibermelt.study.claims.summary import claims_in_words, summarize_claims
-from fibermelt.study.config import FROM_CONTENT
-from fibermelt.study.melt import LAW, thins_at_fibers
-from fibermelt.study.orientation.interaction import interaction_stage
-from fibermelt.study.orientation.stages import (
+from fibermelt.parts.interaction.stages import interaction_stage
+from fibermelt.parts.melt.melt import LAW, thins_at_fibers
+from fibermelt.parts.orientation.stages import (
     content_stage,
     orientation_estimates,
     orientation_stage,
     stall_estimates,
     stall_stage,
 )
-from fibermelt.study.orientation.summary import (
+from fibermelt.parts.orientation.summary import (
     interaction_in_words,
     orientation_in_words,
     summarize_interaction,
     summarize_orientation,
 )
-from fibermelt.study.parts import Chain, Part
-from fibermelt.study.sensitivity.dimensions import DIMENSIONS_PARAMETERS, dimensions_stage
-from fibermelt.study.sensitivity.stages import ORBITS_PARAMETERS, orbits_stage
-from fibermelt.study.sensitivity.summary import (
-    dimensions_in_words,
-    orbits_in_words,
-    summarize_dimensions,
-    summarize_orbits,
-)
-from fibermelt.study.stages import Stage
-from fibermelt.study.thinning.stage import EFFECT_PARAMETERS, effect_stage
-from fibermelt.study.thinning.summary import summarize_thinning, thinning_in_words
-from fibermelt.study.verification.stage import verification_stage
-from fibermelt.study.verification.summary import (
+from fibermelt.parts.thinning.stages import EFFECT_PARAMETERS, effect_stage
+from fibermelt.parts.thinning.summary import summarize_thinning, thinning_in_words
+from fibermelt.parts.verification.stages import verification_stage
+from fibermelt.parts.verification.summary import (
     summarize_verification,
     verification_in_words,
 )
-from fibermelt.study.voids.stages import VOID_PARAMETERS, voids_stage, with_orientation
-from fibermelt.study.voids.summary import summarize_voids, voids_in_words
+from fibermelt.parts.voids.stages import VOID_PARAMETERS, voids_stage, with_orientation
+from fibermelt.parts.voids.summary import summarize_voids, voids_in_words
+from fibermelt.study.config import FROM_CONTENT
 from fibermelt.verify.ladder import LADDER_VERSION
 
 if TYPE_CHECKING:
-    from fibermelt.study.parameters import Value
+    from fibermelt.engine.parameters import Value
 
 __all__ = ["CHAIN"]
 

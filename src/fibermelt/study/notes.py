@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fibermelt.study.melt import melt_notes
+from fibermelt.parts.melt.melt import melt_notes
 
 if TYPE_CHECKING:
     from fibermelt.study.config import Config

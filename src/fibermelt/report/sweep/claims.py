@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from fibermelt.report.judged import VERDICTS, counted
-from fibermelt.report.tables import Column, number, width_class
-from fibermelt.report.tables import table as tables
-from fibermelt.study.claims.judge import Claim
-from fibermelt.study.sweep.claims import SweptClaim, swept_claims
-from fibermelt.study.sweep.table import SweepTable
+from fibermelt.paper.claims.judge import Claim
+from fibermelt.paper.claims.of_sweeps import SweptClaim, swept_claims
+from fibermelt.report.kit.judged import VERDICTS, counted
+from fibermelt.report.kit.tables import Column, number, width_class
+from fibermelt.report.kit.tables import table as tables
+from fibermelt.sweeps.table import SweepTable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from fibermelt.report.account import parameters
-from fibermelt.report.chapters import FLOW, listed_sources, listed_versions
-from fibermelt.report.sources import USES, Source, read_sources, sources_of
-from fibermelt.report.tables import ERROR_DIGITS, Column, fixed, number, table
-from fibermelt.study.progress import duration
+from fibermelt.engine.progress import duration
+from fibermelt.report.kit.tables import ERROR_DIGITS, Column, fixed, number, table
+from fibermelt.report.page.account import parameters
+from fibermelt.report.page.chapters import FLOW, listed_sources, listed_versions
+from fibermelt.report.page.sources import USES, Source, read_sources, sources_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.study.sweep.cost import Computed
-    from fibermelt.study.sweep.table import SweepTable
+    from fibermelt.sweeps.cost import Computed
+    from fibermelt.sweeps.table import SweepTable
 
 __all__ = ["computed_told", "sources_told"]
 

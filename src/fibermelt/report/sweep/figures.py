@@ -15,9 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fibermelt.errors import ConfigError
-from fibermelt.report.plates import Plate
-from fibermelt.report.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
-from fibermelt.report.style import styled as in_style
+from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
+from fibermelt.report.kit.style import styled as in_style
+from fibermelt.report.kit.tables import number
+from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
 from fibermelt.report.sweep.population import (
     figure_population,
@@ -32,16 +34,14 @@ from fibermelt.report.sweep.shares import (
     sweep_quantiles,
 )
 from fibermelt.report.sweep.window import figure_window, window_words
-from fibermelt.report.tables import number
-from fibermelt.report.ticks import plain_numbers
-from fibermelt.study.sweep.effects import effect
-from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
-from fibermelt.study.sweep.window import critical_moistures
+from fibermelt.sweeps.effects import effect
+from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
+from fibermelt.sweeps.window import critical_moistures
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.study.sweep.responses import Response
+    from fibermelt.sweeps.responses import Response
 
 __all__ = ["effects_words", "sweep_effects", "sweep_plates"]
 
@@ -229,7 +229,7 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     Parameters
     ----------
     collected : xarray.Dataset
-        As `fibermelt.study.sweep.collect.collect_sweep` returns it.
+        As `fibermelt.sweeps.collect.collect_sweep` returns it.
     """
     table = sweep_table(collected)
     found: list[Plate] = []

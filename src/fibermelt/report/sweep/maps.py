@@ -11,17 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fibermelt.report.style import FULL, INK, OTHERS, SEQUENTIAL, Words, add_axes, new_figure
-from fibermelt.report.style import styled as in_style
-from fibermelt.report.tables import number
-from fibermelt.report.ticks import plain_numbers
-from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
+from fibermelt.report.kit.style import FULL, INK, OTHERS, SEQUENTIAL, Words, add_axes, new_figure
+from fibermelt.report.kit.style import styled as in_style
+from fibermelt.report.kit.tables import number
+from fibermelt.report.kit.ticks import plain_numbers
+from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.report.style import Array
-    from fibermelt.study.sweep.responses import Response
+    from fibermelt.report.kit.style import Array
+    from fibermelt.sweeps.responses import Response
 
 __all__ = ["map_words", "maps_there", "sweep_maps"]
 

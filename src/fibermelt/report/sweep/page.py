@@ -1,6 +1,6 @@
 """The report of a sweep: one HTML file that needs nothing else, as a pure function of the store.
 
-As with `fibermelt.report.html`, nothing but what is stored goes into it: the collected sweep, and
+As with `fibermelt.report.page.page`, nothing but what is stored goes into it: the collected sweep, and
 the records of how it was computed.
 """
 
@@ -13,25 +13,25 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup
 
-from fibermelt.report.embed import Embedded, embed_plates
-from fibermelt.report.plates import draw_plates
+from fibermelt.engine.files import replace_file
+from fibermelt.engine.outputs import has_run
+from fibermelt.engine.schema import REPORT
+from fibermelt.report.kit.plates import draw_plates
+from fibermelt.report.kit.templates import page_file, page_template
+from fibermelt.report.page.embed import Embedded, embed_plates
 from fibermelt.report.sweep.claims import claims_matrix
 from fibermelt.report.sweep.computed import computed_told, sources_told
 from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
-from fibermelt.report.templates import page_file, page_template
-from fibermelt.study.files import replace_file
-from fibermelt.study.outputs import has_run
-from fibermelt.study.schema import REPORT
-from fibermelt.study.sweep.answer import answer_sweep
-from fibermelt.study.sweep.collect import collect_sweep
-from fibermelt.study.sweep.cost import read_computed
-from fibermelt.study.sweep.table import sweep_table
+from fibermelt.sweeps.answer import answer_sweep
+from fibermelt.sweeps.collect import collect_sweep
+from fibermelt.sweeps.cost import read_computed
+from fibermelt.sweeps.table import sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.study.sweep.cost import Computed
+    from fibermelt.sweeps.cost import Computed
 
 __all__ = ["BESIDE_A_RUN", "SweepReport", "render_sweep", "write_sweep_report"]
 
@@ -52,9 +52,9 @@ def render_sweep(collected: xr.Dataset, computed: Computed | None = None) -> byt
     Parameters
     ----------
     collected : xarray.Dataset
-        As `fibermelt.study.sweep.collect.collect_sweep` returns it, finished or not.
+        As `fibermelt.sweeps.collect.collect_sweep` returns it, finished or not.
     computed : Computed, optional
-        How it was computed, as `fibermelt.study.sweep.cost.read_computed` returns it.
+        How it was computed, as `fibermelt.sweeps.cost.read_computed` returns it.
 
     Returns
     -------

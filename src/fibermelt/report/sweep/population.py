@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from fibermelt.report.scene import MPA
-from fibermelt.report.style import (
+from fibermelt.report.kit.scene import MPA
+from fibermelt.report.kit.style import (
     BAND,
     BLUE,
     FULL,
@@ -26,11 +26,11 @@ from fibermelt.report.style import (
     new_figure,
     styled,
 )
+from fibermelt.report.kit.tables import number
+from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
-from fibermelt.report.tables import number
-from fibermelt.report.ticks import plain_numbers
-from fibermelt.study.sweep.quantiles import LEVELS, quantiles
-from fibermelt.study.sweep.table import SweepTable, sweep_table
+from fibermelt.sweeps.quantiles import LEVELS, quantiles
+from fibermelt.sweeps.table import SweepTable, sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr

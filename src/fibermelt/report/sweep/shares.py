@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fibermelt.report.style import (
+from fibermelt.report.kit.style import (
     BLUE,
     FULL,
     GREY,
@@ -24,18 +24,18 @@ from fibermelt.report.style import (
     key_mark,
     new_figure,
 )
-from fibermelt.report.style import styled as in_style
+from fibermelt.report.kit.style import styled as in_style
+from fibermelt.report.kit.tables import number
+from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
-from fibermelt.report.tables import number
-from fibermelt.report.ticks import plain_numbers
-from fibermelt.study.sweep.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
-from fibermelt.study.sweep.quantiles import LEVELS, quantiles, shares_below
-from fibermelt.study.sweep.table import SweepTable, Varied, sweep_table
+from fibermelt.sweeps.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
+from fibermelt.sweeps.quantiles import LEVELS, quantiles, shares_below
+from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.study.sweep.responses import Response
+    from fibermelt.sweeps.responses import Response
 
 __all__ = [
     "all_indices",

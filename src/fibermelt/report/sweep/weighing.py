@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fibermelt.study.sweep.table import Varied
+from fibermelt.sweeps.table import Varied
 
 __all__ = ["QUANTILE_RULE", "weighing_told"]
 

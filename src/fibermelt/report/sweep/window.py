@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fibermelt.report.scene import MM
-from fibermelt.report.style import FULL, Array, Words, add_axes, letter, new_figure, styled
-from fibermelt.report.ticks import plain_numbers
-from fibermelt.study.sweep.window import GAP, SPEED, critical_moistures, drying_advice
+from fibermelt.report.kit.scene import MM
+from fibermelt.report.kit.style import FULL, Array, Words, add_axes, letter, new_figure, styled
+from fibermelt.report.kit.ticks import plain_numbers
+from fibermelt.sweeps.window import GAP, SPEED, critical_moistures, drying_advice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +39,7 @@ def figure_window(collected: xr.Dataset) -> Figure:
     Parameters
     ----------
     collected : xarray.Dataset
-        A collected sweep, as `fibermelt.study.sweep.window.critical_moistures` takes it.
+        A collected sweep, as `fibermelt.sweeps.window.critical_moistures` takes it.
     """
     figure = new_figure(FULL, HEIGHT)
     names = ("a  worst place, worst direction of a fiber", "b  median fiber, mean by flux")

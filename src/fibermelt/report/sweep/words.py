@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from fibermelt.report.account import account
+from fibermelt.report.kit.tables import Column, number, table
+from fibermelt.report.page.account import account
 from fibermelt.report.sweep.weighing import weighing_told
-from fibermelt.report.tables import Column, number, table
-from fibermelt.study.sweep.descriptions import distribution_told
-from fibermelt.study.sweep.design import SETTINGS
-from fibermelt.study.sweep.quantiles import LEVELS, quantiles
-from fibermelt.study.sweep.table import DIGITS, SweepTable, Varied
+from fibermelt.sweeps.descriptions import distribution_told
+from fibermelt.sweeps.design import SETTINGS
+from fibermelt.sweeps.quantiles import LEVELS, quantiles
+from fibermelt.sweeps.table import DIGITS, SweepTable, Varied
 from fibermelt.units import ZERO_CELSIUS
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from fibermelt.study.sweep.responses import Response
+    from fibermelt.sweeps.responses import Response
 
 __all__ = ["cases_told", "responses_told", "varied_told"]
 

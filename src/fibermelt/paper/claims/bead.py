@@ -1,0 +1,245 @@
+"""What claims on fibers in the bead, section 3, are judged by; see `claims.quantities`."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fibermelt.paper.claims.quantities import (
+    CENTER,
+    LEFT,
+    RIGHT,
+    NotStoredError,
+    Quantity,
+    needing,
+    off_center,
+    paper_line,
+    rank_correlation,
+    regular_lines,
+)
+from fibermelt.parts.variables import study_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+__all__ = ["BEAD"]
+
+BEAD: dict[str, Quantity] = {}
+"""The quantities of fibers in the bead, by their names."""
+
+needs = partial(needing, BEAD, part="bead")
+
+TIP = 0.0873
+"""Eccentric angle [rad] up to which a place counts as the tip: 5 degrees, 0.4 % of the length."""
+
+
+def _means(results: xr.Dataset, location: int, kind: str) -> Array:
+    """Return the extreme of every streamline [Pa], mean over the initial angles."""
+    means: Array = _extreme(results, "extreme", location, kind).mean(axis=1)
+    return means
+
+
+def _extreme(results: xr.Dataset, name: str, location: int, kind: str) -> Array:
+    """Return a variable of the extremes, (streamline, initial angle)."""
+    import numpy as np  # noqa: PLC0415
+
+    of = results[name].transpose("streamline", "initial_angle", "location", "kind").to_numpy()
+    return np.asarray(of[:, :, location - 1, 0 if kind == "min" else 1])
+
+
+def _height(results: xr.Dataset) -> Array:
+    """Return the height of each streamline in the finished bead [m]."""
+    import numpy as np  # noqa: PLC0415
+
+    return np.asarray(results["y"].to_numpy()[:, -1])
+
+
+@needs("extreme", "near_singularity")
+def entrance_minimum(results: xr.Dataset) -> float:
+    """Return the mean minimum at Loc. 1, mean over the streamlines [Pa]."""
+    return float(_means(results, 1, "min")[regular_lines(results)].mean())
+
+
+@needs("extreme", "near_singularity")
+def entrance_minimum_range(results: xr.Dataset) -> float:
+    """Return the range over the streamlines of the mean minimum at Loc. 1, over its mean."""
+    import numpy as np  # noqa: PLC0415
+
+    means = _means(results, 1, "min")[regular_lines(results)]
+    return float(np.ptp(means) / abs(means.mean()))
+
+
+@needs("extreme_y", "near_singularity")
+def entrance_minimum_height(results: xr.Dataset) -> float:
+    """Return how far above the entrance the mean place of the minimum at Loc. 1 is [m], lowest."""
+    return float(_above_entrance(results).min())
+
+
+@needs("extreme_y", "near_singularity")
+def entrance_minimum_reach(results: xr.Dataset) -> float:
+    """Return how far above the entrance the mean place of the minimum is, in widths, highest."""
+    return float(_above_entrance(results).max() / study_of(results)["flow"]["capillary_width"])
+
+
+def _above_entrance(results: xr.Dataset) -> Array:
+    nozzle = study_of(results)["flow"]
+    places = _extreme(results, "extreme_y", 1, "min").mean(axis=1)[regular_lines(results)]
+    above: Array = places - (nozzle["gap"] + nozzle["capillary_length"])
+    return above
+
+
+@needs("extreme", "near_singularity")
+def exit_minimum_left(results: xr.Dataset) -> float:
+    """Return the lowest mean minimum at Loc. 2 on the left half of the streamlines [Pa]."""
+    chosen = regular_lines(results) & (results["flux_fraction"].to_numpy() < 0.5)
+    return float(_means(results, 2, "min")[chosen].min())
+
+
+@needs("extreme", "near_singularity")
+def exit_minimum_right(results: xr.Dataset) -> float:
+    """Return the highest mean minimum at Loc. 2 on the right half of the streamlines [Pa]."""
+    chosen = regular_lines(results) & (results["flux_fraction"].to_numpy() > 0.5)
+    return float(_means(results, 2, "min")[chosen].max())
+
+
+@needs("extreme", "near_singularity")
+def deepest_from_left(results: xr.Dataset) -> float:
+    """Return the share of the flux left of the streamline with the lowest mean minimum, Loc. 2."""
+    import numpy as np  # noqa: PLC0415
+
+    regular = regular_lines(results)
+    deepest = np.argmin(_means(results, 2, "min")[regular])
+    return float(results["flux_fraction"].to_numpy()[regular][deepest])
+
+
+@needs("extreme_time", "zone_time", "near_singularity")
+def exit_minimum_within_swell(results: xr.Dataset) -> float:
+    """Return the share of fibers whose minimum at Loc. 2 lies between zones 2 and 3."""
+    import numpy as np  # noqa: PLC0415
+
+    regular, zone = regular_lines(results), results["zone_time"].to_numpy()
+    when = _extreme(results, "extreme_time", 2, "min")
+    within = (when >= zone[:, 1, None]) & (when <= zone[:, 2, None])
+    return float(np.mean(within[regular]))
+
+
+@needs("extreme_pressure")
+def center_entrance_absolute(results: xr.Dataset) -> float:
+    """Return the lowest pressure at Loc. 1 on streamline 10 above the air's [Pa], any angle."""
+    of = _extreme(results, "extreme_pressure", 1, "min")
+    return float(of[paper_line(results, CENTER)].min())
+
+
+@needs("extreme_pressure", "initial_angle")
+def center_exit_absolute(results: xr.Dataset) -> float:
+    """Return the pressure at Loc. 2 on streamline 10 above the air's [Pa], entering along x."""
+    import numpy as np  # noqa: PLC0415
+
+    angles = results["initial_angle"].to_numpy()
+    along = int(np.argmin(np.abs(angles)))
+    if abs(angles[along]) > 1e-9:
+        msg = "no fiber of this study enters at an angle of 0"
+        raise NotStoredError(msg)
+    of = _extreme(results, "extreme_pressure", 2, "min")
+    return float(of[paper_line(results, CENTER), along])
+
+
+@needs("extreme_where", "near_singularity")
+def minima_at_tips(results: xr.Dataset) -> float:
+    """Return the share of minima, at both locations, that lie within 5 degrees of a tip."""
+    import numpy as np  # noqa: PLC0415
+
+    regular = regular_lines(results)
+    places = [_extreme(results, "extreme_where", k, "min")[regular] for k in (1, 2)]
+    return float(np.mean(np.abs(np.stack(places)) <= TIP))
+
+
+def _edge_over_center(results: xr.Dataset, location: int) -> float:
+    """Return the mean maximum at the outermost two streamlines over that of the middle two."""
+    import numpy as np  # noqa: PLC0415
+
+    regular = regular_lines(results)
+    means, off = _means(results, location, "max")[regular], off_center(results)[regular]
+    order = np.argsort(off, kind="stable")
+    return float(means[order[-2:]].mean() / means[order[:2]].mean())
+
+
+@needs("extreme", "near_singularity")
+def entrance_maximum_edges_over_center(results: xr.Dataset) -> float:
+    """Return the mean maximum at Loc. 1 at the edges over that at the center."""
+    return _edge_over_center(results, 1)
+
+
+@needs("extreme", "near_singularity")
+def exit_maximum_edges_over_center(results: xr.Dataset) -> float:
+    """Return the mean maximum at Loc. 2 at the edges over that at the center."""
+    return _edge_over_center(results, 2)
+
+
+@needs("extreme", "near_singularity")
+def entrance_over_exit_maximum(results: xr.Dataset) -> float:
+    """Return the mean maximum at Loc. 1 over that at Loc. 2."""
+    regular = regular_lines(results)
+    first, second = (_means(results, k, "max")[regular].mean() for k in (1, 2))
+    return float(first / second)
+
+
+@needs("extreme_y", "near_singularity")
+def exit_maximum_depth(results: xr.Dataset) -> float:
+    """Return how far below the exit the maximum at Loc. 2 is [m], mean over all fibers."""
+    places = _extreme(results, "extreme_y", 2, "max")[regular_lines(results)]
+    return float(study_of(results)["flow"]["gap"] - places.mean())
+
+
+@needs("extreme")
+def center_over_edge_sensitivity(results: xr.Dataset) -> float:
+    """Return the least ratio of the spread over initial angles on streamline 10 to 4 and to 18."""
+    center, *edges = (paper_line(results, k) for k in (CENTER, LEFT, RIGHT))
+    ratios = []
+    for location in (1, 2):
+        spread = _extreme(results, "extreme", location, "min").std(axis=1)
+        if not all(spread[edge] for edge in edges):
+            msg = "the extremes do not depend on the initial angle: there is no spread to compare"
+            raise NotStoredError(msg)
+        ratios += [spread[center] / spread[edge] for edge in edges]
+    return float(min(ratios))
+
+
+@needs("zone_angle", "near_singularity")
+def angle_to_stream_below(results: xr.Dataset) -> float:
+    """Return the median angle between fiber and streamline [rad] over the three zones."""
+    import numpy as np  # noqa: PLC0415
+
+    return float(np.median(np.abs(results["zone_angle"].to_numpy()[regular_lines(results)])))
+
+
+@needs("zone_angle", "near_singularity")
+def alignment_from_center(results: xr.Dataset) -> float:
+    """Return the highest, over the zones, rank correlation of spread and distance from center."""
+    regular = regular_lines(results)
+    spread = results["zone_angle"].to_numpy()[regular].std(axis=1)
+    off = off_center(results)[regular]
+    return max(rank_correlation(spread[:, zone], off) for zone in range(spread.shape[1]))
+
+
+@needs("zone_angle", "near_singularity")
+def spread_between_zones(results: xr.Dataset) -> float:
+    """Return the largest spread of a zone's angles, mean over the streamlines, over the least."""
+    spread = results["zone_angle"].to_numpy()[regular_lines(results)].std(axis=1).mean(axis=0)
+    if not spread.min():
+        msg = "one fiber to a streamline has no spread"
+        raise NotStoredError(msg)
+    return float(spread.max() / spread.min())
+
+
+@needs("lowest", "pressure", "near_singularity")
+def lowest_pressure_with_height(results: xr.Dataset) -> float:
+    """Return the rank correlation of the lowest pressure on any fiber and height in the bead."""
+    regular = regular_lines(results)
+    absolute = results["lowest"] + results["pressure"]
+    lowest = absolute.min(dim=("initial_angle", "point")).to_numpy()
+    return rank_correlation(lowest[regular], _height(results)[regular])

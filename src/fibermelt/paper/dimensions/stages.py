@@ -1,0 +1,183 @@
+"""What the plane ellipse costs, as a stage: ellipses against the spheroid that a fiber resembles.
+
+The paper's fiber is an ellipse in the plane of the flow, which is a cylinder across it. A spheroid
+of the same aspect ratio, whose axis lies in that plane, turns in the same way but sees more at its
+tips. Here both stand beside the confined ellipse: in simple shear over aspect ratios, and along the
+paper's feature streamlines, for every orientation and for the initial angles in the plane. What
+computes is imported when the stage runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.parts.bead.stages import domain_size, stored_model, stored_path
+from fibermelt.parts.melt.melt import LAW, newtonian_viscosity
+from fibermelt.parts.variables import labelled
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from fibermelt.fiber.models import FiberModel
+    from fibermelt.history import FlowHistory
+
+__all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows", "fiber_models"]
+
+DIMENSIONS_PARAMETERS = (
+    "sensitivity.aspect_ratios",
+    LAW,
+    "fiber.half_length",
+    "fiber.aspect_ratio",
+    "fiber.domain_size",
+    "fiber.initial_angles",
+    "numerics.cell_order",
+    "numerics.angle_tolerance",
+    "streamlines.features",
+)
+"""What `dimensions_stage` reads."""
+
+MODELS = ("confined-ellipse", "ellipse", "spheroid")
+UNBOUNDED = MODELS[1:]
+
+FEATURES, PAPER_COUNT = (4, 10, 18), 22
+"""The paper's feature streamlines, of its 22."""
+
+CURVE_RATIOS = (1.0, 20.0, 77)
+"""First and last aspect ratio of the curves, and how many: a quarter apart."""
+
+
+def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Compare confined ellipse, ellipse and spheroid, in simple shear and along streamlines."""
+    ratios, size = tuple(parameters["sensitivity.aspect_ratios"]), domain_size(parameters, inputs)
+    models = fiber_models(parameters, inputs["cell"], size)
+    say(f"{len(ratios)} aspect ratios in simple shear")
+    along = _along(parameters, inputs["streamlines"], models)
+    say(f"{len(along['feature_streamline'])} streamlines, {len(models)} models")
+    return labelled(
+        {
+            "ratio": ratios,
+            "dimension_model": list(MODELS),
+            "dimension_domain_size": size,
+            **_peaks(parameters, ratios, size),
+            **along,
+        }
+    )
+
+
+def feature_rows(flux_fraction: NDArray[np.float64], features: Sequence[int]) -> list[int]:
+    """Return the rows of the streamlines that are looked at one by one.
+
+    Those of the numbers asked for that exist; if none does, those that share the flux most nearly
+    as the paper's 4, 10 and 18 of 22.
+
+    Parameters
+    ----------
+    flux_fraction : (n,) array
+        Share of the flux on each streamline's left.
+    features : sequence of int
+        Their numbers, from 1.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    rows = [number - 1 for number in features if number <= len(flux_fraction)]
+    if not rows:
+        shares = [(k - 0.5) / PAPER_COUNT for k in FEATURES]
+        rows = [int(np.argmin(np.abs(flux_fraction - share))) for share in shares]
+    return list(dict.fromkeys(rows))
+
+
+def _confined(parameters: Parameters, ratio: float, size: float) -> FiberModel:
+    """Solve the cell of a confined ellipse."""
+    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  lazy: loads the finite elements
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
+    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
+    fiber = Ellipse(parameters["fiber.half_length"], ratio)
+    return confined_model(solve_cell(fiber, size, numerics).response)
+
+
+def _unbounded(parameters: Parameters, ratio: float) -> list[FiberModel]:
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    fiber = Ellipse(parameters["fiber.half_length"], ratio)
+    return [unbounded_model("ellipse", fiber), unbounded_model("spheroid", fiber)]
+
+
+def fiber_models(parameters: Parameters, cell: xr.Dataset, size: float) -> list[FiberModel]:
+    """Return the study's fiber as each of the models; its cell is taken if it has one."""
+    chosen, ratio = stored_model(cell), parameters["fiber.aspect_ratio"]
+    confined = chosen if chosen.name == MODELS[0] else _confined(parameters, ratio, size)
+    return [confined, *_unbounded(parameters, ratio)]
+
+
+def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> dict[str, Any]:
+    """Return the highest pressure in simple shear over ``mu gamma_dot``, against aspect ratio."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    def peak(model: FiberModel) -> float:
+        return model.response.tip_pressure
+
+    curve = np.linspace(CURVE_RATIOS[0], CURVE_RATIOS[1], CURVE_RATIOS[2])
+    unbounded = [[peak(model) for model in _unbounded(parameters, ratio)] for ratio in curve]
+    table = [
+        [
+            peak(model)
+            for model in (_confined(parameters, ratio, size), *_unbounded(parameters, ratio))
+        ]
+        for ratio in ratios
+    ]
+    return {
+        "unbounded_model": list(UNBOUNDED),
+        "peak_ratio": curve,
+        "peak_pressure": np.transpose(unbounded),
+        "peak_at_ratio": np.transpose(table),
+    }
+
+
+def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) -> dict[str, Any]:
+    """Return the lowest pressures along the feature streamlines, by model."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    rows = feature_rows(lines["flux_fraction"].to_numpy(), parameters["streamlines.features"])
+    chosen = lines.isel(streamline=rows)
+    path, middle = stored_path(chosen), chosen["middle_time"].to_numpy()
+    found = [_lowest_along(parameters, path, model, middle) for model in models]
+    return {
+        "location": [1, 2],
+        "planar_angle": np.asarray(parameters["fiber.initial_angles"]),
+        "feature_streamline": lines["streamline"].to_numpy()[rows],
+        "feature_time": path.time,
+        "feature_middle_time": middle,
+        **{name: np.stack([part[name] for part in found], axis=1) for name in found[0]},
+    }
+
+
+def _lowest_along(
+    parameters: Parameters, path: FlowHistory, model: FiberModel, middle: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the lowest pressures of one model, streamline by streamline."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.extremes import KINDS, extreme_bounds, extremes  # noqa: PLC0415
+    from fibermelt.fiber.motion import follow  # noqa: PLC0415
+    from fibermelt.fiber.pressure import pressure_bounds, surface_pressure  # noqa: PLC0415
+
+    viscosity, lowest = newtonian_viscosity(parameters), KINDS.index("min")
+    angles = np.asarray(parameters["fiber.initial_angles"])
+    tolerance = parameters["numerics.angle_tolerance"]
+    motion = follow(path, model.response.shape_factor, angles, tolerance)
+    pressure = surface_pressure(path, model.response, viscosity, motion)
+    bounds = pressure_bounds(path, model.response, viscosity)
+    return {
+        "feature_bound": bounds.lowest,
+        "feature_lowest": pressure.lowest.min(axis=-2),
+        "feature_extreme": extremes(path, pressure, motion, middle).value[..., lowest],
+        "feature_extreme_bound": extreme_bounds(path, bounds, middle)[..., lowest, 0],
+    }

@@ -1,0 +1,233 @@
+"""The fibers of a study along its streamlines: in the plane, out of it, by the paper's algorithm.
+
+Each way returns arrays by the names of their variables; ``middle`` (n_streamlines,) is the time at
+the middle of the capillary [s] and ``zone_time`` (n_streamlines, n_zones) when the zones are
+reached [s]. What computes is imported when it is asked for, as in the stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.engine.stages import Parameters, Say
+from fibermelt.parts.bead.newton import newton_motions
+from fibermelt.parts.melt.melt import law_of, newtonian_viscosity, viscosity_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fibermelt.fiber.cell_data import CellNumerics
+    from fibermelt.fiber.extremes import Extremes
+    from fibermelt.fiber.models import FiberModel
+    from fibermelt.fiber.motion import Turning
+    from fibermelt.fiber.pressure import SurfaceHistory
+    from fibermelt.history import FlowHistory
+
+    Array = NDArray[np.float64]
+
+COARSE_TOLERANCE = 1e-4
+"""Angle error [rad] where only a difference is asked that is larger by far."""
+
+__all__ = ["followed_by_newton", "followed_in_plane", "followed_in_space"]
+
+
+def followed_in_plane(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    middle: Array | None,
+    zone_time: Array | None,
+    say: Say,
+) -> dict[str, Any]:
+    """Return the fibers that enter at the initial angles, in the plane of the flow."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    angles = np.asarray(parameters["fiber.initial_angles"])
+    say(f"{len(angles)} angles on {len(path.lines)} streamlines")
+    error = _in_plane_error(parameters, path, model, angles, middle)
+    tolerance = parameters["numerics.angle_tolerance"]
+    motion, pressure, found = _in_plane(parameters, path, model, angles, middle, tolerance)
+    return {
+        "initial_angle": angles,
+        "angle": motion.angle,
+        "lowest": pressure.lowest,
+        "highest": pressure.highest,
+        **_at_zones(path, motion, zone_time),
+        **_named(found),
+        "extreme_error": error(found.value),
+    }
+
+
+def _in_plane(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    angles: Array,
+    middle: Array | None,
+    tolerance: float,
+) -> tuple[Turning, SurfaceHistory, Extremes]:
+    """Return motion, surface pressure and extremes of fibers in the plane of the flow."""
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.motion import follow  # noqa: PLC0415
+    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
+
+    motion = follow(path, model.turning, angles, tolerance)
+    pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
+    return motion, pressure, extremes(path, pressure, motion, middle)
+
+
+def _in_plane_error(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    angles: Array,
+    middle: Array | None,
+) -> Callable[[Array], Array]:
+    """Return what estimates the errors of extremes that the points' spacing makes [Pa].
+
+    From the same fibers on every second point; they come first, as the last path that was followed
+    is kept at hand for others.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.motion import UNCHECKED  # noqa: PLC0415
+
+    coarse = path.every_second()
+    tolerance = UNCHECKED if model.thinning is None else COARSE_TOLERANCE
+    _, _, found = _in_plane(parameters, coarse, model, angles, middle, tolerance)
+    return lambda value: np.abs(value - found.value)
+
+
+def followed_by_newton(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    size: float,
+    numerics: CellNumerics,
+    middle: Array | None,
+    zone_time: Array | None,
+    say: Say,
+) -> dict[str, Any]:
+    """Return the same fibers by the paper's algorithm, on a cell of size ``M``.
+
+    The extremes are those of its steps and of the cell's surface points, as in the paper. What the
+    points' spacing does to them is estimated by superposition: the algorithm itself would take half
+    its time again.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.cell import ThinningFiber, build_system  # noqa: PLC0415
+    from fibermelt.fiber.newton import FreeFiber, NewtonSolver  # noqa: PLC0415
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
+    angles, law = np.asarray(parameters["fiber.initial_angles"]), law_of(parameters)
+    free: FreeFiber
+    if law.is_newtonian:
+        free = NewtonSolver(build_system(fiber, size, numerics))
+        viscosity = newtonian_viscosity(parameters)
+    else:
+        free, viscosity = ThinningFiber(fiber, size, law, numerics), 1.0
+    motions = newton_motions(free, fiber, path.lines, viscosity, angles, say)
+    lines = zip(path.lines, motions, *_stations(path, middle, zone_time), strict=True)
+    found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
+    error = _in_plane_error(parameters, path, model, angles, middle)
+    value = _in_plane(parameters, path, model, angles, middle, COARSE_TOLERANCE)[2].value
+    return {"initial_angle": angles, **_stacked(found), "extreme_error": error(value)}
+
+
+def followed_in_space(
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    middle: Array | None,
+    zone_time: Array | None,
+    say: Say,
+) -> dict[str, Any]:
+    """Return the fibers that enter evenly over the sphere, streamline by streamline.
+
+    They are ordered by their angle seen along z, which is that of the results; beside it stands
+    their elevation out of the plane.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
+    from fibermelt.fiber.spatial import spatial_pressure  # noqa: PLC0415
+
+    body, viscosity = model.in_space, viscosity_of(parameters)
+    start = model.directions(parameters["fiber.direction_count"], planar=path.planar)
+    tolerance = parameters["numerics.angle_tolerance"]
+    say(f"{len(start)} directions on {len(path.lines)} streamlines")
+    found = []
+    for one, at, times in zip(path.lines, *_stations(path, middle, zone_time), strict=True):
+        motion = model.follow_in_space(one, start, tolerance)
+        pressure = spatial_pressure(one, body, viscosity, motion)
+        line = _on_line(one, motion, pressure, at, times)
+        coarse = one.every_second()
+        rough = model.follow_in_space(coarse, start, COARSE_TOLERANCE)
+        again = extremes(coarse, spatial_pressure(coarse, body, viscosity, rough), rough, at)
+        error = np.abs(line["extreme"] - again.value)
+        found.append({**line, "elevation": motion.elevation, "extreme_error": error})
+    return {
+        "initial_angle": np.arctan2(*motion.initial_directions[:, 1::-1].T),
+        "initial_elevation": np.arcsin(motion.initial_directions[:, 2]),
+        **_stacked(found),
+    }
+
+
+def _on_line(
+    one: FlowHistory,
+    motion: Turning,
+    pressure: SurfaceHistory,
+    middle: float | None,
+    zone_time: Array | None,
+) -> dict[str, Any]:
+    """Return what is known of the fibers of one streamline, by the names of its variables."""
+    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
+
+    return {
+        "angle": motion.angle,
+        "lowest": pressure.lowest,
+        "highest": pressure.highest,
+        **_at_zones(one, motion, zone_time),
+        **_named(extremes(one, pressure, motion, middle)),
+    }
+
+
+def _at_zones(path: FlowHistory, motion: Turning, zone_time: Array | None) -> dict[str, Any]:
+    """Return the fibers' angles at the zones, where there are any."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
+
+    if zone_time is None:
+        return {}
+    known = np.isfinite(zone_time)  # paths of a given flow may end before
+    angle = angle_to_stream_at(path, motion, np.where(known, zone_time, path.time[..., :1]))
+    return {"zone_angle": np.where(known[..., None, :], angle, np.nan)}
+
+
+def _stations(
+    path: FlowHistory, middle: Array | None, zone_time: Array | None
+) -> tuple[list[Any], list[Any]]:
+    """Return the stations line by line, None where there are none."""
+    none = [None] * len(path.lines)
+    return (
+        none if middle is None else list(middle),
+        none if zone_time is None else list(zone_time),
+    )
+
+
+def _stacked(lines: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the variables of all streamlines."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    return {name: np.stack([line[name] for line in lines]) for name in lines[0]}
+
+
+def _named(found: Extremes) -> dict[str, Any]:
+    """Return extremes by the names of their variables."""
+    parts = ("x", "y", "z", "time", "pressure", "angle", "where")
+    return {"extreme": found.value, **{f"extreme_{name}": getattr(found, name) for name in parts}}

@@ -1,0 +1,364 @@
+"""The fiber's stages: its cell, and its motion and pressure along streamlines, as labelled data.
+
+What computes is imported when a stage runs, so that a study that is stored costs nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.errors import ConfigError
+from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.parts.melt.melt import law_of, viscosity_of
+from fibermelt.parts.variables import labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.fiber.cell_data import CellNumerics
+    from fibermelt.fiber.models import FiberModel, ModelName
+    from fibermelt.fiber.shape import Ellipse
+    from fibermelt.history import FlowHistory
+
+__all__ = [
+    "cell_estimates",
+    "cell_stage",
+    "domain_size",
+    "foresee_motion",
+    "motion_estimates",
+    "motion_stage",
+    "stored_model",
+    "stored_path",
+    "thinning_numerics",
+]
+
+MODELS_KEPT = 8
+"""Models of fibers that are kept at hand: a few hundred kilobytes each."""
+
+PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
+    "mean": "cell-edge",
+    "far-node": "far-node",
+}
+"""Names that the pressure's level has in a study, and in `fibermelt.fiber`."""
+
+
+SHAPE_FACTOR_BOUND = {"graded": 1e-3, "paper": 2e-2}
+"""Largest estimated error of ``B``, over ``B`` if that is above one. The lowest order has 1e-4 at
+``M = 4``, the default 1e-9; the paper's mesh, whose error is what it is there to show, has 1.4e-2
+at ``M = 2.01``. A rounder fiber in a narrower cell takes a higher order, or is lost to rounding."""
+
+EXTREME_BOUND = 0.25
+"""Largest estimated error of the extremes, median over all, in parts of the largest on their paths:
+1e-3 on the default paths; of 52 points, with which an extreme is a fifth off, 0.1."""
+
+TIP_PRESSURE_BOUND = {"graded": 0.05, "paper": 1.0}
+"""Largest estimated error of the tip pressure, relative: the lowest order has 1e-2 at ``M = 4``,
+the default 1e-5. The paper's mesh has 0.15 at ``r_e = 6`` and 0.88 at 100; as large as the pressure
+itself it says nothing of it."""
+
+
+def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Solve the fiber's cell, or take what is known of a fiber without one."""
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+
+    ratio = parameters["fiber.aspect_ratio"]
+    if parameters["fiber.model"] == "confined-ellipse":
+        fiber = Ellipse(parameters["fiber.half_length"], ratio)
+        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
+    third = parameters["fiber.thickness_ratio"]
+    return _unbounded(parameters["fiber.model"], ratio, ratio if third is None else third, say)
+
+
+def cell_estimates(parameters: Parameters, cell: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of a cell, each with its bound; those of a fiber without one are zero."""
+    mesh = parameters["numerics.cell_mesh"]
+    paper = mesh == "paper"
+    cure = "take a " + (
+        'smaller fiber.aspect_ratio or numerics.cell_mesh = "graded"'
+        if paper
+        else "higher numerics.cell_order or a fiber.domain_size further from 2"
+    )
+    factor, tip = float(cell["shape_factor_error"]), float(cell["tip_pressure_error"])
+    size = max(1.0, abs(float(cell["shape_factor"])))
+    return (
+        Estimate("shape_factor_error", factor, SHAPE_FACTOR_BOUND[mesh] * size, cure),
+        Estimate("tip_pressure_error", tip, TIP_PRESSURE_BOUND[mesh], cure),
+    )
+
+
+def domain_size(parameters: Parameters, inputs: Inputs) -> float:
+    """Return ``M`` of the fiber's cell [-]: as the study says, or from its fiber content."""
+    if "content" in inputs:
+        return float(inputs["content"]["content_domain_size"])
+    return float(parameters["fiber.domain_size"])
+
+
+def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
+    """Solve the cell of a confined ellipse."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
+
+    solution = solve_cell(fiber, size, _numerics(parameters))
+    say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
+    stall_angle, error = solution.stall_angle, solution.error_estimate
+    return labelled(
+        {
+            "fiber_model": "confined-ellipse",
+            "aspect_ratio": fiber.aspect_ratio,
+            "domain_size": solution.domain_size,
+            "shape_factor": solution.shape_factor,
+            "stall_angle": np.nan if stall_angle is None else stall_angle,
+            "tip_pressure": solution.tip_pressure,
+            "shape_factor_error": np.nan if error is None else error.shape_factor,
+            "tip_pressure_error": np.nan if error is None else error.tip_pressure,
+            "cell_unknowns": solution.unknowns,
+            "surface_angle": solution.response.surface,
+            "surface_basis": solution.response.basis,
+            "cell_point": solution.points,
+            "cell_triangle": solution.cells,
+            "cell_edge": solution.element_edges,
+            "cell_velocity": solution.velocity,
+            "cell_pressure": solution.pressure,
+        }
+    )
+
+
+def _numerics(parameters: Parameters) -> CellNumerics:
+    """Return how the study's cell is solved."""
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
+
+    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    if parameters["numerics.cell_mesh"] == "paper":
+        return CellNumerics(mesh="paper", pressure_reference=reference)
+    return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
+
+
+def thinning_numerics(parameters: Parameters) -> CellNumerics:
+    """Return how the study's cell is solved in a melt that thins."""
+    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415  lazy: see the module
+
+    return replace(
+        THINNING_NUMERICS,
+        order=parameters["numerics.thinning_order"],
+        pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
+    )
+
+
+def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say) -> xr.Dataset:
+    """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
+
+    An unbounded fiber tumbles, as ``xi < 1``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
+
+    model = _unbounded_model(name, aspect_ratio, thickness)
+    response, around = model.response, surroundings(model)
+    say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
+    return labelled(
+        {
+            "fiber_model": name,
+            "aspect_ratio": aspect_ratio,
+            **({"thickness_ratio": thickness} if name == "ellipsoid" else {}),
+            "domain_size": np.nan,
+            "shape_factor": response.shape_factor,
+            "stall_angle": np.nan,
+            "tip_pressure": response.tip_pressure,
+            "shape_factor_error": 0.0,
+            "tip_pressure_error": 0.0,
+            "cell_unknowns": 0,
+            "surface_angle": response.surface,
+            "surface_basis": response.basis,
+            "cell_point": around.points,
+            "cell_triangle": around.cells,
+            "cell_edge": around.lines,
+            "cell_velocity": around.velocity,
+            "cell_pressure": around.pressure,
+        }
+    )
+
+
+def stored_model(cell: xr.Dataset) -> FiberModel:
+    """Return the fiber's model that was stored; the same cell gives the very same model.
+
+    What a model has worked out, such as its support function, then serves all cases of a sweep
+    that share the cell.
+    """
+    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
+    if name != "confined-ellipse":
+        third = cell.get("thickness_ratio", aspect_ratio)
+        return _unbounded_model(cast("ModelName", name), aspect_ratio, float(third))
+    surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
+    factor = float(cell["shape_factor"])
+    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _unbounded_model(name: ModelName, aspect_ratio: float, thickness: float) -> FiberModel:
+    """Return the model of a fiber without a cell; only an ellipsoid has a thickness of its own."""
+    from fibermelt.fiber.ellipsoid import Ellipsoid  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
+    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
+
+    if name == "ellipsoid":
+        return unbounded_model(name, Ellipsoid((1.0, 1.0 / aspect_ratio, 1.0 / thickness)))
+    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
+
+
+@lru_cache(maxsize=MODELS_KEPT)
+def _confined_model(
+    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
+) -> FiberModel:
+    """Return the model of a fiber from the numbers of its cell."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
+    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
+
+    angles = np.frombuffer(surface)
+    return confined_model(
+        FiberResponse(
+            aspect_ratio=aspect_ratio,
+            shape_factor=shape_factor,
+            surface=angles,
+            basis=np.frombuffer(basis).reshape(len(angles), -1),
+        )
+    )
+
+
+def stored_path(lines: xr.Dataset) -> FlowHistory:
+    """Return the flow histories that were stored, stacked."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.history import FlowHistory  # noqa: PLC0415
+
+    space = "z" in lines
+    time, gradient, pressure = (lines[n].to_numpy() for n in ("time", "gradient", "pressure"))
+    return FlowHistory(
+        time=time,
+        position=np.stack([lines[name] for name in ("x", "y", "z")[: 2 + space]], axis=-1),
+        velocity=np.stack([lines[name] for name in ("u", "v", "w")[: 2 + space]], axis=-1),
+        gradient=gradient,
+        pressure=pressure,
+        viscosity=lines["viscosity"].to_numpy(),
+    )
+
+
+def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
+    """Return the fiber's model, with its table of a melt that thins where the study has one."""
+    model = stored_model(inputs["cell"])
+    if "response" not in inputs:
+        return model
+    from fibermelt.fiber.thinning import ThinningResponse  # noqa: PLC0415  lazy: see the module
+
+    arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
+    return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
+
+
+def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
+    """Refuse fibers that are known in a plane only as soon as a field is known to be in space."""
+    if name == "field" and str(data["field_geometry"].item()) == "spatial":
+        _refuse_in_plane(parameters)
+
+
+def _refuse_in_plane(parameters: Parameters) -> None:
+    """Refuse fibers that are known in a plane only, where the flow is in space."""
+    model, directions = parameters["fiber.model"], parameters["fiber.directions"]
+    if model in ("spheroid", "ellipsoid") and directions == "equal-area":
+        return
+    msg = (
+        f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
+        'and this fiber is known in a plane: say fiber.model = "spheroid" or "ellipsoid" and '
+        'fiber.directions = "equal-area"'
+    )
+    raise ConfigError(msg)
+
+
+def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -> Any:
+    """Return what the gradient's error does to extremes (n_streamlines, ...) at most [Pa].
+
+    An error ``e`` of the gradient changes the strain's size ``d`` by at most ``e/sqrt(2)``, and
+    what it does to the fiber's direction counts for the rest of ``e``: of the lowest over every
+    orientation the pressure is off by as much as ``e`` is of ``d``.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    size = np.maximum(0.5 * path.shear_rate, np.finfo(float).tiny)
+    error = np.abs(lowest) / size * lines["gradient_error"].to_numpy()
+    index = [np.searchsorted(time, at) for time, at in zip(path.time, when, strict=True)]
+    return np.stack([one[at] for one, at in zip(error, index, strict=True)])
+
+
+def motion_estimates(parameters: Parameters, motion: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the error of the extremes with its bound, the median over all of them.
+
+    In parts of the largest pressure that any orientation meets on the path.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    error = motion["extreme_error"].transpose("streamline", ...).to_numpy()
+    bounds = motion["extreme_bounds"].transpose("streamline", ...).to_numpy()
+    largest = np.abs(bounds).reshape(len(bounds), -1).max(axis=1)
+    share = np.median(error.reshape(len(error), -1), axis=1) / np.where(largest > 0, largest, 1.0)
+    cure = "take more streamlines.points, or a flow on a finer mesh"
+    name = "extreme_error over the largest extreme"
+    return (Estimate(name, float(np.median(share)), EXTREME_BOUND, cure),)
+
+
+def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Follow the fibers along all streamlines, and find the pressure on their surfaces.
+
+    What is over every orientation, bounds and quantiles, is by superposition on either path: the
+    paper's algorithm would take a run of its own for each.
+    """
+    from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds  # noqa: PLC0415
+    from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
+
+    path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
+    if not path.planar:
+        _refuse_in_plane(parameters)
+    viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
+    lines = inputs["streamlines"]
+    middle, zone_time = (
+        lines[name].to_numpy() if name in lines else None for name in ("middle_time", "zone_time")
+    )
+    if parameters["fiber.path"] == "newton":
+        chosen = thinning_numerics if "response" in inputs else _numerics
+        size, numerics = domain_size(parameters, inputs), chosen(parameters)
+        followed = followed_by_newton(
+            parameters, path, model, size, numerics, middle, zone_time, say
+        )
+    elif parameters["fiber.directions"] == "in-plane":
+        followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
+    else:
+        followed = followed_in_space(parameters, path, model, middle, zone_time, say)
+    if path.planar:
+        followed.pop("extreme_z")
+    bounds = model.bounds(path, viscosity)
+    if model.has_directions:
+        say(f"{count} directions of an isotropic start")
+    if "gradient_error" in lines:
+        at = followed["extreme_time"]
+        followed["extreme_error"] += _by_gradient(lines, path, bounds.lowest, at)
+    isotropic = model.isotropic_pressure(
+        path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
+    )
+    return labelled(
+        {
+            **followed,
+            "location": list(WHOLE if middle is None else LOCATIONS),
+            "kind": list(KINDS),
+            "quantile": isotropic.levels,
+            "bound_lowest": bounds.lowest,
+            "bound_highest": bounds.highest,
+            "quantile_lowest": isotropic.lowest,
+            "quantile_highest": isotropic.highest,
+            "extreme_bounds": extreme_bounds(path, bounds, middle),
+            "extreme_quantiles": isotropic.extremes,
+        }
+    )

@@ -1,0 +1,138 @@
+"""The tables of the deposition flow: ``[flow]`` and ``[streamlines]``."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from fibermelt.engine.parameters import Section, quantity, setting
+from fibermelt.parts.sources import INFERRED, PAPER_21
+
+__all__ = ["Flow", "Streamlines"]
+
+OUTLET_BEADS = 2.0
+"""Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
+
+SHORTEST, LONGEST = 0.01, 100.0
+"""Lengths of the nozzle and its gap over the capillary's width: beyond, no mesh resolves both."""
+
+
+class Flow(Section):
+    """The nozzle, its height over the bed, and the two speeds; or that the flow is given."""
+
+    source: Literal["deposition", "field", "histories"] = setting(
+        "deposition",
+        "Where the flow comes from: the deposition flow of this table is solved; another solver's "
+        "field is read ([field], [paths]); or paths are (paths.file).",
+    )
+
+    inlet_width: float = quantity(
+        "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, le=1, source=INFERRED
+    )
+    inlet_length: float = quantity(
+        "5 mm", "m", "Length of the straight channel above the taper.", gt=0, le=1, source=INFERRED
+    )
+    taper_length: float = quantity(
+        "8 mm",
+        "m",
+        "Length over which the nozzle narrows to the capillary.",
+        gt=0,
+        le=1,
+        source=INFERRED,
+    )
+    capillary_width: float = quantity(
+        "3.175 mm",
+        "m",
+        "Width of the capillary, the nozzle's outlet.",
+        gt=0,
+        le=1,
+        source=INFERRED,
+    )
+    capillary_length: float = quantity(
+        "6 mm", "m", "Length of the capillary.", gt=0, le=1, source=INFERRED
+    )
+    gap: float = quantity(
+        "3 mm", "m", "Distance from the nozzle's lips to the bed.", gt=0, le=1, source=INFERRED
+    )
+    outlet: float = quantity(
+        "20 mm",
+        "m",
+        "Where the bead is cut off, downstream of the nozzle's axis (x of the outlet).",
+        gt=0,
+        le=1,
+        source="far enough that the answer does not feel it",
+    )
+    inlet_speed: float = quantity(
+        "24 mm/s", "m/s", "Mean speed of the melt at the inlet.", gt=0, le=100, source=PAPER_21
+    )
+    bed_speed: float = quantity(
+        "101.6 mm/s", "m/s", "Speed of the bed, towards +x.", gt=0, le=100, source=PAPER_21
+    )
+
+    @property
+    def bead_height(self) -> float:
+        """Return the height of the finished bead [m]: mass balance, ``Q / V``."""
+        return self.inlet_speed * self.inlet_width / self.bed_speed
+
+    @model_validator(mode="after")
+    def _geometry(self) -> Self:
+        """Refuse dimensions that contradict one another."""
+        if self.inlet_width < self.capillary_width:
+            msg = (
+                f"flow.inlet_width = {self.inlet_width:g} m is narrower than "
+                f"flow.capillary_width = {self.capillary_width:g} m: a nozzle narrows "
+                "downwards; widen flow.inlet_width or narrow flow.capillary_width"
+            )
+            raise ValueError(msg)
+        self._proportions()
+        nearest = self.capillary_width / 2 + OUTLET_BEADS * self.bead_height
+        if self.outlet < nearest:
+            msg = (
+                f"flow.outlet = {self.outlet:g} m lies too near the nozzle: at least "
+                f"{nearest:g} m (flow.capillary_width / 2 + {OUTLET_BEADS:g} bead heights of "
+                f"{self.bead_height:g} m)"
+            )
+            raise ValueError(msg)
+        return self
+
+    def _proportions(self) -> None:
+        """Refuse a length that the capillary's width tells to be a slip of the unit."""
+        width = self.capillary_width
+        lowest = dict.fromkeys(
+            ("inlet_length", "taper_length", "capillary_length", "gap", "outlet"), SHORTEST
+        )
+        for name, low in {"inlet_width": 0.0, **lowest}.items():
+            length = getattr(self, name)
+            if low * width <= length <= LONGEST * width:
+                continue
+            bound = (
+                f"at least {low * width:g}" if length < width else f"at most {LONGEST * width:g}"
+            )
+            msg = (
+                f"flow.{name} = {length:g} m is {length / width:.3g} times flow.capillary_width = "
+                f"{width:g} m: must be {bound} m ({low:g} to {LONGEST:g} times); "
+                "correct one of the two"
+            )
+            raise ValueError(msg)
+
+
+class Streamlines(Section):
+    """The paths that fibers take through the flow."""
+
+    count: int = setting(
+        22,
+        "Number of streamlines, each with the same share of the flux, from the left edge.",
+        ge=1,
+        le=1000,
+        source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
+    )
+    points: int = setting(1500, "Number of points on each streamline.", ge=50, le=20000)
+    features: tuple[int, ...] = setting(
+        [4, 10, 18],
+        "Streamlines that are looked at one by one; where there are none of these numbers, those "
+        "of the same share of the flux as the paper's.",
+        ge=1,
+        le=1000,
+        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+    )

@@ -1,0 +1,320 @@
+"""The flow's stages: the deposition flow, and the streamlines through it, as labelled data.
+
+What computes is imported when a stage runs, so that a study that is stored costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say
+from fibermelt.parts.flow.imported import along_paths, paths_of
+from fibermelt.parts.melt.melt import LAW, law_of, thins
+from fibermelt.parts.variables import labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fibermelt.flow.deposition import FlowSolution
+    from fibermelt.flow.field import FlowField
+    from fibermelt.flow.problem import Deposition
+    from fibermelt.flow.start import StartShape
+
+__all__ = [
+    "FLOW_NUMERICS",
+    "flow_but_for_scale",
+    "flow_estimates",
+    "flow_from",
+    "flow_stage",
+    "start_from",
+    "streamline_estimates",
+    "streamlines_stage",
+    "write_fields",
+]
+
+FLOW_NUMERICS = {
+    "numerics.flow_order": "order",
+    "numerics.lip_edge": "lip_edge",
+    "numerics.contact_edge": "contact_edge",
+    "numerics.corner_edge": "corner_edge",
+    "numerics.surface_edge": "surface_edge",
+    "numerics.bulk_edge": "bulk_edge",
+    "numerics.edge_growth": "growth",
+    "numerics.flow_tolerance": "tolerance",
+    "numerics.contact_guess": "contact_guess",
+}
+"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
+
+SCALARS = (
+    "bead_height",
+    "inlet_pressure",
+    "contact_point",
+    "heel",
+    "mass_imbalance",
+    "kinematic_residual",
+    "newton_steps",
+    "unknowns",
+    "elements",
+)
+ERRORS = ("contact_point", "heel", "inlet_pressure")
+FIELDS = (
+    "velocity",
+    "pressure",
+    "gradient",
+    "stream_function",
+    "viscosity",
+    "gradient_error",
+)
+
+HEEL_BOUND = 0.05
+"""Largest estimated error of the heel [widths]: where it lies the surface is steep, so it goes with
+the whole line, and the lip's edge, more than the contact point does (default mesh 5e-4, the
+coarsest of the tests 0.017)."""
+
+PRESSURE_BOUND = 0.05
+"""Largest estimated error of the inlet pressure over that pressure (2e-4; 7e-3)."""
+
+FLUX_BOUND = 0.01
+"""Largest error of the flux at the outlet, and largest mean ``u.n`` over the free surfaces in bed
+speeds: a hundredth of what passes (3e-10 and 2e-5; 1e-6 and 1e-3)."""
+
+GRADIENT_BOUND = 0.25
+"""Largest estimated error of the gradient, over the shear rate, both at the median of the nodes: at
+the corners and the lips neither has a bound (2e-3; 0.03)."""
+
+DRIFT_BOUND = 0.01
+"""Largest drift of the stream function along a streamline, over the flux: a fifth of what flows
+between two of the paper's 22 (1e-5; 3e-3)."""
+
+LAW_RATES = (1e-6, 1e8, 281)
+"""Rates [1/s] between which a law is drawn, and how many."""
+
+FINER = "take shorter edges in numerics, such as lip_edge and contact_edge, or a higher flow_order"
+
+
+def _problem(parameters: Parameters) -> Deposition:
+    """Return the deposition problem of a study."""
+    from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
+
+    flow = parameters.section("flow")
+    flow.pop("source")
+    speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
+    return Deposition(nozzle=Nozzle(**flow), melt=cast("Any", law_of(parameters)), **speeds)
+
+
+def start_from(flow: xr.Dataset) -> StartShape:
+    """Return what a neighbouring case's flow may start from, of a flow that was stored.
+
+    Raises
+    ------
+    ConfigError
+        If the surfaces in it are none.
+    """
+    from fibermelt.flow.start import StartShape  # noqa: PLC0415  lazy: see the module
+
+    return StartShape(flow["upstream_surface"].to_numpy(), flow["downstream_surface"].to_numpy())
+
+
+def flow_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Solve the deposition flow from cold."""
+    return _stored(_solved(parameters, say, None))
+
+
+def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowSolution:
+    """Return the deposition flow of a study, solved from cold or from surfaces.
+
+    The start is no part of the stage's key: it changes the answer by less than its stated error.
+    """
+    from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  lazy: see the module
+    from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
+
+    numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
+    return solve_deposition(_problem(parameters), numerics, progress=say, start=start)
+
+
+def flow_estimates(parameters: Parameters, flow: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of a flow, each with its bound."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.flow.deposition import LARGEST_ERROR  # noqa: PLC0415
+
+    width = parameters["flow.capillary_width"]
+    known = {name: float(flow[name]) for name in (*SCALARS, *(f"{name}_error" for name in ERRORS))}
+    gradient_error = float(np.median(flow["node_gradient_error"]))
+    shear_rate = float(np.median(_field(flow).shear_rate))
+    bounds = {
+        "contact_point_error": LARGEST_ERROR * width,
+        "heel_error": HEEL_BOUND * width,
+        "inlet_pressure_error": PRESSURE_BOUND * abs(known["inlet_pressure"]),
+        "mass_imbalance": FLUX_BOUND,
+        "kinematic_residual": FLUX_BOUND,
+    }
+    return (
+        *(Estimate(name, known[name], bound, FINER) for name, bound in bounds.items()),
+        Estimate("node_gradient_error", gradient_error, GRADIENT_BOUND * shear_rate, FINER),
+    )
+
+
+def flow_from(
+    parameters: Parameters, inputs: Inputs, say: Say, neighbour: Neighbour
+) -> tuple[xr.Dataset, bool]:
+    """Solve the deposition flow from the surfaces of a neighbour, and tell whether these led to it.
+
+    Where the two differ in nothing but a scale, the neighbour's flow is the answer with that
+    scale (`fibermelt.flow.rescale`), and nothing is solved.
+    """
+    from fibermelt.flow.rescale import rescaled  # noqa: PLC0415  lazy: see the module
+
+    if flow_but_for_scale(parameters) != flow_but_for_scale(neighbour.parameters):
+        found = _solved(parameters, say, start_from(neighbour.data))
+        return _stored(found), found.is_warm
+    say("the same flow of another melt, or faster: scaled")
+    solution = _solution(neighbour.parameters, neighbour.data)
+    return _stored(rescaled(solution, _problem(parameters))), True
+
+
+def flow_but_for_scale(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what decides a flow but for the scales of velocities and pressures.
+
+    All that it reads but the melt and the speeds, and in their place the ratio of the speeds and
+    the melt's law in the flow's own units.
+    """
+    from fibermelt.flow.rescale import (  # noqa: PLC0415  lazy: see the module
+        scaled_constants,
+        speed_ratio,
+    )
+
+    speeds = ("flow.inlet_speed", "flow.bed_speed")
+    kept = {
+        key: value
+        for key, value in parameters.items()
+        if key not in speeds and not key.startswith(f"{LAW}.")
+    }
+    ratio = speed_ratio(*(parameters[key] for key in speeds))
+    law = " ".join(scaled_constants(_problem(Parameters(parameters))))
+    return {**kept, "flow.speed_ratio": ratio, LAW: law}
+
+
+def _stored(solution: FlowSolution) -> xr.Dataset:
+    """Return a flow as it is stored."""
+    field = solution.field
+    arrays: dict[str, Any] = {
+        "node_x": field.points[:, 0],
+        "node_y": field.points[:, 1],
+        "cell_nodes": field.cells,
+        "field_order": field.order,
+        "upstream_surface": solution.upstream_surface,
+        "downstream_surface": solution.downstream_surface,
+    }
+    arrays |= {f"node_{name}": getattr(field, name) for name in FIELDS}
+    arrays |= {name: getattr(solution, name) for name in SCALARS}
+    arrays |= {f"{name}_error": getattr(solution.error, name) for name in ERRORS}
+    return labelled(arrays)
+
+
+def _field(flow: xr.Dataset) -> FlowField:
+    """Return the flow field that was stored."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.flow.field import FlowField  # noqa: PLC0415
+
+    return FlowField(
+        order=int(flow["field_order"]),
+        points=np.stack([flow["node_x"], flow["node_y"]], axis=-1),
+        cells=flow["cell_nodes"].to_numpy(),
+        **{name: flow[f"node_{name}"].to_numpy() for name in FIELDS},
+    )
+
+
+def _solution(parameters: Parameters, flow: xr.Dataset) -> FlowSolution:
+    """Return the flow solution that was stored."""
+    from fibermelt.flow.deposition import FlowError, FlowSolution  # noqa: PLC0415  as above
+
+    return FlowSolution(
+        problem=_problem(parameters),
+        field=_field(flow),
+        upstream_surface=flow["upstream_surface"].to_numpy(),
+        downstream_surface=flow["downstream_surface"].to_numpy(),
+        error=FlowError(**{name: flow[f"{name}_error"].item() for name in ERRORS}),
+        **{name: flow[name].item() for name in SCALARS},
+    )
+
+
+def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Trace the streamlines of equal flux, or return the paths of a flow from elsewhere."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if parameters["flow.source"] != "deposition":
+        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters)))
+
+    from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
+
+    count, points = parameters["streamlines.count"], parameters["streamlines.points"]
+    say(f"tracing {count} lines of {points} points")
+    lines = trace_streamlines(_solution(parameters, inputs["flow"]), count=count, points=points)
+
+    def stacked(name: str) -> Any:
+        return np.stack([np.asarray(getattr(line, name)) for line in lines])
+
+    return labelled(
+        {
+            **along_paths([line.history for line in lines]),
+            "streamline": stacked("index"),
+            "flux_fraction": stacked("flux_fraction"),
+            "path_end": ["outlet"] * len(lines),
+            "stream_function": stacked("stream_function"),
+            "gradient_error": stacked("gradient_error"),
+            "stream_function_drift": stacked("drift"),
+            "near_singularity": stacked("near_singularity").astype(np.int8),
+            "zone": np.arange(1, 4),
+            "zone_time": stacked("zone_time"),
+            "middle_time": stacked("middle_time"),
+            **_law_curve(parameters),
+        }
+    )
+
+
+def _law_curve(parameters: Parameters) -> dict[str, Any]:
+    """Return the viscosity of a melt that thins over its rates, to be drawn."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if not thins(parameters):
+        return {}
+    rate = np.geomspace(*LAW_RATES)
+    return {"law_rate": rate, "law_viscosity": law_of(parameters).viscosity_at(rate)}
+
+
+def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the errors of streamlines, each with its bound.
+
+    The gradient's is that of the lines which pass no singular corner.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if "gradient_error" not in lines:
+        return ()
+    regular = lines["near_singularity"].to_numpy() == 0
+    error, rate = (
+        np.median(lines[name].to_numpy()[regular], axis=-1)
+        for name in ("gradient_error", "shear_rate")
+    )
+    share = float(np.max(error / rate, initial=0.0))
+    if parameters["flow.source"] != "deposition":
+        cure = "take a file on a finer mesh, or one that has the gradient (field.gradient)"
+        return (Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, cure),)
+    drift = float(lines["stream_function_drift"].max())
+    return (
+        Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, FINER),
+        Estimate("stream_function_drift", drift, DRIFT_BOUND, FINER),
+    )
+
+
+def write_fields(results: xr.Dataset, folder: Path) -> None:
+    """Write the flow for ParaView; one that was given is there already."""
+    if "cell_nodes" not in results:
+        return
+    from fibermelt.flow.vtu import write_vtu  # noqa: PLC0415  lazy: see the module
+
+    write_vtu(_field(results), folder / "flow.vtu")

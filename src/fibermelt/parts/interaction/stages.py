@@ -1,0 +1,189 @@
+"""The paper's section 2.5 for any fiber: its Fig. 14 and 15, each beside the paper's polynomial.
+
+What computes is imported when the stage runs, so that a study that is stored costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.parts.orientation.stages import (
+    DISTRIBUTION,
+    folgar_tucker,
+    preferred_angle,
+    stored_curve,
+)
+from fibermelt.parts.variables import labelled
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from fibermelt.fiber.stall_data import StallCurve
+
+    Array = NDArray[np.float64]
+
+__all__ = ["interaction_stage"]
+
+CLOSURES = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
+"""Closures whose preferred angles are drawn: the paper's, the fits in use, and the crude ones."""
+
+CONVENTIONS = ("standard", "paper")
+
+LEAST_INTERACTION, STEPS_AN_OCTAVE, INTERACTIONS = 0.003, 4, 15
+"""The first interaction coefficient of a curve, how many to twice as much, and how many; the last
+is 0.034, as Eq. 34 holds up to 0.041."""
+
+SIZES = 121
+"""Points of the stall angle's curve."""
+
+SMALLEST_DRAWN, LONGEST_TIME, TIMES = 3.0, 20.0, 241
+"""Smallest cell, longest time [1/gamma_dot] and points of a fiber's motion towards its stall; the
+paper's Eq. 32 is compared with from that cell on, as a parabola cannot follow smaller ones."""
+
+
+def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Compute stall angles against cells, preferred angles against C_I, and one against another."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    curve = stored_curve(inputs["stall"])
+    interaction = LEAST_INTERACTION * 2.0 ** (np.arange(INTERACTIONS) / STEPS_AN_OCTAVE)
+    aspect_ratio, closure = parameters["fiber.aspect_ratio"], parameters["interaction.closure"]
+    say(f"{len(CLOSURES)} closures and the distribution at {INTERACTIONS} C_I")
+    angle = np.stack(
+        [_by_convention(aspect_ratio, interaction, one) for one in (*CLOSURES, DISTRIBUTION)],
+        axis=1,
+    )
+    chosen = _by_convention(aspect_ratio, interaction, closure)
+    domain = np.array([[_domain_size(curve, one) for one in row] for row in chosen])
+    return labelled(
+        {
+            **_stalling(curve),
+            **_stall_angles(curve),
+            "closure": [*CLOSURES, DISTRIBUTION],
+            "convention": list(CONVENTIONS),
+            "interaction": interaction,
+            "interaction_angle": angle,
+            "interaction_domain_size": domain,
+            "interaction_closure": closure,
+            **_polynomials(interaction, chosen, domain),
+        }
+    )
+
+
+def _stalling(curve: StallCurve) -> dict[str, Any]:
+    """Return how fibers turn, from across the flow, until they stall (the paper's Fig. 14a-b)."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.tumbling import turned_angle  # noqa: PLC0415
+
+    largest = np.floor(10 * curve.largest_stalling_domain) / 10
+    sizes = np.linspace(min(SMALLEST_DRAWN, largest), largest, 5)
+    time, factor = np.linspace(0.0, LONGEST_TIME, TIMES), curve.value(sizes)
+    angle = np.stack([turned_angle(float(B), 1.0, time, 0.5 * np.pi) for B in factor])
+    return {
+        "stalling_domain_size": sizes,
+        "stalling_time": time,
+        "stalling_angle": angle,
+        "stalling_spin": 0.5 * (factor[:, None] * np.cos(2 * angle) - 1),
+    }
+
+
+def _stall_angles(curve: StallCurve) -> dict[str, Any]:
+    """Return the stall angle against the size of the cell (Fig. 14c), Eq. 32 where it holds."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.stall import PAPER_DOMAIN_END, paper_stall_angle  # noqa: PLC0415
+
+    sizes = np.linspace(float(curve.domain_size[0]), curve.largest_stalling_domain, SIZES)
+    angle = np.nan_to_num(curve.stall_angle(sizes), nan=0.0)
+    fitted = (sizes >= SMALLEST_DRAWN) & (sizes <= PAPER_DOMAIN_END)
+    paper = np.full(SIZES, np.nan)
+    paper[fitted] = paper_stall_angle(sizes[fitted])
+    return {
+        "stall_curve_domain_size": sizes,
+        "stall_curve_angle": angle,
+        "stall_curve_paper": paper,
+        "stall_curve_difference": _largest(angle - paper),
+    }
+
+
+def _by_convention(aspect_ratio: float, interaction: Array, closure: str) -> Array:
+    """Return the preferred angle [rad] by convention and C_I (Fig. 14d), NaN where there is none.
+
+    The paper's rate of deformation is ``sqrt(2)`` times the standard one, so its angles are the
+    standard ones of a ``C_I`` half an octave up.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    shift = STEPS_AN_OCTAVE // 2
+    beyond = interaction[-1] * 2.0 ** (np.arange(1, shift + 1) / STEPS_AN_OCTAVE)
+    every = np.concatenate([interaction, beyond])
+    angle = _angles(aspect_ratio, every, closure)
+    return np.stack([angle[: len(interaction)], angle[shift:]])
+
+
+def _angles(aspect_ratio: float, interaction: Array, closure: str) -> Array:
+    """Return preferred angles [rad] in the standard convention, NaN where there is none."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.errors import ConvergenceError  # noqa: PLC0415
+    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415
+    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
+    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
+
+    models = [folgar_tucker(aspect_ratio, float(C_I), "standard") for C_I in interaction]
+    if closure == DISTRIBUTION:
+        return np.array([preferred_angle(model, DISTRIBUTION) for model in models])
+    found, shear, chosen = (
+        np.full(len(models), np.nan),
+        flow_gradient("simple-shear"),
+        named(closure),
+    )
+    start = None
+    for k in reversed(range(len(models))):  # from the one before, with more diffusion
+        try:
+            state = steady_state(models[k], shear, chosen, start)
+        except ConvergenceError:
+            start = None
+            continue
+        found[k], start = state.angle, state.a
+    return found
+
+
+def _domain_size(curve: StallCurve, angle: float) -> float:
+    """Return the cell that stalls the fiber at an angle, NaN where none does."""
+    from fibermelt.errors import ConfigError  # noqa: PLC0415  lazy: see the module
+
+    try:
+        return curve.domain_size_at(angle)
+    except ConfigError:
+        return float("nan")
+
+
+def _polynomials(interaction: Array, angle: Array, domain: Array) -> dict[str, Any]:
+    """Return the paper's Eq. 33 and 34 and how far the computed curves are, by convention."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.orientation.interaction import (  # noqa: PLC0415
+        paper_domain_size,
+        paper_preferred_angle,
+    )
+
+    angles, sizes = paper_preferred_angle(interaction), paper_domain_size(interaction)
+    return {
+        "interaction_angle_paper": angles,
+        "interaction_angle_difference": np.array([_largest(one - angles) for one in angle]),
+        "interaction_domain_size_paper": sizes,
+        "interaction_domain_size_difference": np.array([_largest(one - sizes) for one in domain]),
+    }
+
+
+def _largest(difference: Array) -> float:
+    """Return the largest size of a difference, over where both sides are."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    known = np.abs(difference[np.isfinite(difference)])
+    return float(known.max()) if known.size else float("nan")

@@ -1,0 +1,106 @@
+"""What summary.json and the terminal say of what thinning does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.parts.variables import or_none
+from fibermelt.voids.constants import ATMOSPHERE
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["summarize_thinning", "thinning_in_words"]
+
+NAMES = {"confined-ellipse": "ellipse", "spheroid": "spheroid"}
+"""What the models are called on the terminal."""
+
+
+def summarize_thinning(results: xr.Dataset) -> dict[str, Any]:
+    """Return what thinning does, in SI, pressures on fibers absolute.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        With the variables of `fibermelt.parts.thinning.stages.effect_stage`.
+
+    Returns
+    -------
+    dict
+        Under ``"thinning"`` a list, one of each law: ``index``, ``consistency``, the flow's
+        ``inlet_pressure`` and ``contact_point``; and by model ``period`` (times rate; None if it
+        stalls), ``stall_angle``, ``peak`` (largest pressure in simple shear over viscosity and
+        rate) with its ``peak_error``; and by cause, ``lowest``, the lowest pressure on a fiber
+        below the middle of the capillary, mean over initial angles and streamlines that pass no
+        singular corner in any flow, ``deepest``, that of the worst of these streamlines, and
+        ``bound``, that of any direction on any of them.
+    """
+    regular = results.isel(streamline=results["effect_regular"].to_numpy() == 1)
+    laws = []
+    for index in results["effect_index"].to_numpy():
+        one = regular.sel(effect_index=index)
+        numbers = ("consistency", "inlet_pressure", "contact_point")
+        laws.append(
+            {
+                "index": float(index),
+                **{name: float(one[f"effect_{name}"]) for name in numbers},
+                **{
+                    str(model): _of_model(one.sel(effect_model=model))
+                    for model in results["effect_model"].to_numpy()
+                },
+            }
+        )
+    return {"thinning": laws}
+
+
+def _of_model(one: xr.Dataset) -> dict[str, Any]:
+    """Return the numbers of one model in one melt."""
+    causes = {}
+    for cause in one["effect_cause"].to_numpy():
+        lowest, bound = (
+            ATMOSPHERE + one[f"effect_{name}"].sel(effect_cause=cause).to_numpy()
+            for name in ("lowest", "bound")
+        )
+        causes[str(cause)] = {
+            "lowest": or_none(lowest.mean() if lowest.size else math.nan),
+            "deepest": or_none(lowest.min() if lowest.size else math.nan),
+            "bound": or_none(bound.min() if bound.size else math.nan),
+        }
+    names = ("period", "stall_angle", "peak", "peak_error")
+    return {**{name: or_none(one[f"effect_{name}"]) for name in names}, **causes}
+
+
+def thinning_in_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return what thinning does as a table for a person.
+
+    Parameters
+    ----------
+    summary : mapping
+        The content of summary.json.
+    """
+    laws = summary["thinning"]
+    rows = [
+        ("thinning", "index", [f"{law['index']:g}" for law in laws]),
+        ("", "inlet pressure [MPa]", [f"{law['inlet_pressure'] / 1e6:.3f}" for law in laws]),
+        ("", "contact point [mm]", [f"{law['contact_point'] * 1e3:.3f}" for law in laws]),
+    ]
+    models = [model for model in NAMES if model in laws[0]]
+    for model in models:
+        name = NAMES[model]
+        rows.append(
+            ("", f"{name}: peak / (eta rate)", [f"{law[model]['peak']:.2f}" for law in laws])
+        )
+        for cause, words in (
+            ("both", "lowest below nozzle [MPa]"),
+            ("flow", "  the flow thins alone"),
+            ("fiber", "  its own melt alone"),
+        ):
+            lowest = [law[model][cause]["lowest"] for law in laws]
+            told = ["none" if value is None else f"{value / 1e6:.3f}" for value in lowest]
+            rows.append(("", f"{name}: {words}" if cause == "both" else words, told))
+    return [
+        f"{what:<16}{row:<36}" + "".join(f"{number:>8}" for number in numbers)
+        for what, row, numbers in rows
+    ]

@@ -1,0 +1,238 @@
+"""Where in the bead voids can start: the risk map, and the profile from bed to free surface."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from fibermelt.parts.flow.figures.carpet import Carpet, weave
+from fibermelt.report.kit.drawing import (
+    draw_bed,
+    draw_metal,
+    draw_outline,
+    frame,
+    main_scene,
+    mark_window,
+    paint,
+    scale_bar,
+    scene_axes,
+)
+from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
+from fibermelt.report.kit.style import (
+    ATMOSPHERE,
+    BAND,
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    LOW,
+    ORANGE,
+    PINK,
+    Array,
+    Words,
+    add_axes,
+    color_bar,
+    letter,
+    round_up,
+    styled,
+)
+from fibermelt.report.kit.tables import number, sized
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["figure_voids", "voids_words"]
+
+MPA = 1e-6
+"""Megapascals in a pascal."""
+
+PERCENT = 100.0
+
+CHARTS, SCALE = 68.0, 19.0
+"""Room for the profile below the scene, and for the colour scale over the exit [mm]."""
+
+MEDIAN = "isotropic 50 %"
+
+CURVES = (
+    ("melt", "melt itself", BLUE),
+    (MEDIAN, "median fiber, isotropic start", ORANGE),
+    ("bounds", "any direction", LOW),
+    ("spheroid", "spheroid in space, any direction", PINK),
+    ("oriented tips", "tips of spheroids as they lie, mean", GREEN),
+)
+"""Bases that the profile shows if there are any, what they are called, and their colours."""
+
+
+@styled
+def figure_voids(results: xr.Dataset) -> Figure:
+    """Draw local less vapor pressure over the bead, and the profile over the bead's height."""
+    scene = read_scene(results)
+    figure, axes, room = main_scene(scene, extra=SCALE, below=CHARTS)
+    gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
+    carpet = weave(results)
+    limit = _limit(results)
+    norm = Normalize(-limit, limit)
+    for panel, window, basis in ((axes, scene.whole, "bounds"), (gap, scene.exit, MEDIAN)):
+        margin = MPA * _of(results, "void_margin_along", basis)
+        _map(panel, scene, window, carpet, margin, norm)
+    mark_window(axes, scene.exit)
+    frame(gap)
+    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    letter(axes, "a  worst direction of a fiber", inside=True)
+    letter(gap, "b  half of the fibers from an isotropic start see less (dashed frame)")
+    bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
+    color_bar(
+        ScalarMappable(norm, ATMOSPHERE),
+        bar,
+        "lowest local pressure less vapor pressure [MPa]",
+        extend="both",
+    )
+    _profile(add_axes(figure, 14, 10, 96, CHARTS - 27), results)
+    _moisture(add_axes(figure, 128, 10, 59, CHARTS - 27), results)
+    return figure
+
+
+def _map(
+    axes: Axes, scene: Scene, window: Window, carpet: Carpet | None, margin: Array, norm: Normalize
+) -> None:
+    """Paint a margin [MPa] between the streamlines, with a line where it vanishes."""
+    draw_metal(axes, scene)
+    draw_bed(axes, window)
+    draw_outline(axes, scene, fill=True)
+    if carpet is None:
+        return
+    values = carpet.values(margin)
+    paint(axes, carpet.triangles, values, norm, ATMOSPHERE)
+    if values.min() < 0.0 < values.max():
+        axes.tricontour(carpet.triangles, values, levels=[0.0], colors=INK, linewidths=0.7)
+
+
+def _of(results: xr.Dataset, name: str, basis: str) -> Array:
+    """Return a variable of one basis."""
+    values: Array = results[name].sel(void_basis=basis).to_numpy()
+    return values
+
+
+def _selected(results: xr.Dataset, name: str, selection: str) -> xr.DataArray:
+    """Return a variable of the profile with or without the singular streamlines."""
+    return results[name].sel(void_selection=selection)
+
+
+def _limit(results: xr.Dataset) -> float:
+    """Return the end of the colour scale [MPa]: the worst margin without singular streamlines."""
+    worst = MPA * _of(results, "void_margin", "bounds")
+    regular = results["near_singularity"].to_numpy() == 0
+    return round_up(float(np.abs(worst[regular] if regular.any() else worst).max()))
+
+
+def _edges(results: xr.Dataset) -> Array:
+    """Return the heights between the layers [mm], bed and free surface included."""
+    middle = MM * results["void_layer"].to_numpy()
+    return np.linspace(0.0, middle[-1] + middle[0], len(middle) + 1)
+
+
+def _profile(axes: Axes, results: xr.Dataset) -> None:
+    """Draw the lowest pressure by layer; thin where singular streamlines are counted too."""
+    edges = _edges(results)
+    known = {str(label) for label in results["void_basis"].to_numpy()}
+    for basis, name, color in (curve for curve in CURVES if curve[0] in known):
+        for selection, width in (("regular", 1.5), ("all", 0.6)):
+            layers = MPA * _of_selected(results, "void_layer_mean_pressure", selection, basis)
+            label = name if selection == "regular" else None
+            _steps(axes, layers, edges, color, width, label)
+    fibers = MPA * _selected(results, "void_layer_fiber_pressure", "regular").to_numpy()
+    _steps(axes, fibers, edges, INK, 1.5, "mean over the initial angles")
+    vapor = MPA * float(results["void_vapor_pressure"])
+    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=0.5)
+    axes.axvline(vapor, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), zorder=0.6)
+    axes.annotate(
+        "vapor pressure",
+        (vapor, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(-3, -3),
+        textcoords="offset points",
+        rotation=90,
+        ha="right",
+        va="top",
+    )
+    axes.set_ylim(edges[0], edges[-1])
+    axes.set_xlabel("lowest local pressure [MPa, absolute], mean by flux")
+    axes.set_ylabel("height in the finished bead [mm]")
+    letter(axes, "c")
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.03, 1.0),
+        ncols=2,
+        columnspacing=1.2,
+        handletextpad=0.5,
+    )
+
+
+def _of_selected(results: xr.Dataset, name: str, selection: str, basis: str) -> Array:
+    values: Array = _selected(results, name, selection).sel(void_basis=basis).to_numpy()
+    return values
+
+
+def _steps(
+    axes: Axes, layers: Array, edges: Array, color: str, width: float, label: str | None
+) -> None:
+    """Draw one value for each layer as a staircase; nothing in layers that have none."""
+    axes.plot(np.repeat(layers, 2), np.repeat(edges, 2)[1:-1], color=color, lw=width, label=label)
+
+
+def _moisture(axes: Axes, results: xr.Dataset) -> None:
+    """Draw the critical moisture by layer, as bars between the mildest and the worst."""
+    edges = _edges(results)
+    most = float(results["void_saturation_moisture"])
+    for basis, name, color in CURVES[:3]:
+        limit = _of_selected(results, "void_layer_moisture", "regular", basis)
+        there = ~np.isnan(_of_selected(results, "void_layer_mean_pressure", "regular", basis))
+        capped = np.where(there & np.isnan(limit), most, limit)
+        _steps(axes, PERCENT * capped, edges, color, 1.5, name)
+    axes.set_ylim(edges[0], edges[-1])
+    axes.set_xlim(left=-0.02 * axes.get_xlim()[1])
+    axes.axvline(0.0, color=BAND, linewidth=0.6, zorder=0.5)
+    axes.set_xlabel("critical moisture [%]")
+    axes.tick_params(labelleft=False)
+    letter(axes, "d  no void below; 0: no drying helps")
+
+
+def voids_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text of `figure_voids`."""
+    vapor = MPA * float(results["void_vapor_pressure"])
+    moisture = PERCENT * float(results["void_moisture"])
+    name = str(results["void_material_name"].item())
+    celsius = float(results["void_temperature"]) - 273.15
+    worst = _of_selected(results, "void_layer_mean_pressure", "regular", "bounds")
+    height = MM * results["void_layer"].to_numpy()
+    if np.all(np.isnan(worst)):
+        told = "Every streamline passes a singular corner: no profile is told."
+    else:
+        deepest = int(np.nanargmin(worst))
+        told = (
+            "In the worst direction the lowest pressure by layer is "
+            f"{number(MPA * worst[deepest], 3)} MPa, {sized(height[deepest], height[-1])} mm above "
+            "the bed."
+        )
+    count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
+    without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
+    thick, out = (f"; {without}with them", ", without those streamlines") if count else ("", "")
+    return Words(
+        caption=(
+            f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
+            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest local pressure on a "
+            "fiber less vapor pressure: red where a bubble can grow, a line where the two are "
+            "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
+            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
+            f"layer{out}. Pressures are absolute."
+        ),
+        alt=(
+            "Two maps of the bead and two profiles over its height. The pressure on fibers is "
+            f"lowest where the melt turns below the nozzle. {told}"
+        ),
+    )

@@ -1,0 +1,238 @@
+"""Where the bead can void: vapor pressure, lowest pressures and profile, in tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.summary import worst_line
+from fibermelt.report.kit.tables import Column, folded, number, percent, short, sized, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["voids"]
+
+MM, MPA, MS, NM, PERCENT = 1e3, 1e-6, 1e3, 1e9, 100.0
+"""From SI to the units of the page."""
+
+CELSIUS = 273.15
+
+WHOSE = {
+    "melt": "the melt itself, without fibers",
+    "fibers": "worst of the initial angles",
+    "bounds": "any direction of a fiber",
+    "spheroid": "any direction of an unbounded spheroid",
+    "oriented tips": "tips of spheroids, mean over their orientation",
+}
+"""Whose lowest pressure, in words; what is not here is a share of isotropic fibers."""
+
+
+def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+    """Return where the bead can void: vapor pressure, lowest pressures, profile, assumptions."""
+    found = summary["voids"]
+    words = Markup(
+        "<p>{} % moisture in {} at {:.0f} °C has a vapor pressure of {} MPa; saturated, at {} %, "
+        "it would be {} MPa. A bubble can grow where the melt’s local pressure is lower. That is "
+        "necessary, and it suffices where gas is there already, in a crevice or at a fiber’s end. "
+        "All pressures of this section are absolute.</p>\n"
+    ).format(
+        short(PERCENT * found["moisture"], 3),
+        found["material"]["name"],
+        found["temperature"] - CELSIUS,
+        number(MPA * found["vapor_pressure"], 3),
+        short(PERCENT * found["saturation_moisture"], 3),
+        number(MPA * found["saturation_pressure"], 3),
+    )
+    return Markup().join(
+        [
+            words,
+            _nucleation(found, float(results["void_threshold"])),
+            Markup("<p>What to do. {}</p>\n").format(advice(found)),
+            _by_basis(found),
+            _profile(found) if found["profile"] else Markup(),
+            _lines(found),
+            _assumed(found),
+        ]
+    )
+
+
+def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
+    """Return what a bubble without any gas to start from would take.
+
+    ``threshold`` is log10 of the rate that counts as its onset, as ``log10_rate`` is.
+    """
+    worst = worst_line(found)
+    if worst is None or not worst["critical_radius"]:
+        return Markup()
+    told = f"A new bubble there would have to reach {number(NM * worst['critical_radius'], 2)} nm."
+    rate, wetting = worst["log10_rate"], worst["required_wetting"]
+    starts = rate is not None and rate >= threshold
+    if rate is not None:
+        told += (
+            " The classical rate of nucleation in the melt itself, in 1/(m³ s), has the decimal "
+            f"logarithm {number(rate, 3)}; counted as onset is {number(threshold, 3)}: "
+            f"{'bubbles start' if starts else 'none starts'}."
+        )
+    if wetting is not None and not starts:
+        told += (
+            " It starts only on a surface that leaves no more than "
+            f"{number(PERCENT * wetting, 2)} % of the barrier"
+        )
+        angle = worst["required_angle"]
+        # Stored as Young's angle, through the melt: a surface that the melt does not wet.
+        told += (
+            "." if angle is None else f": a contact angle of {math.degrees(angle):.0f}° or more."
+        )
+    return Markup("<p>{}</p>\n").format(told)
+
+
+def _mpa(value: float | None, size: float) -> str:
+    """Return a pressure [MPa] with the digits that a size [Pa] asks for, four of the largest."""
+    return sized(_of(MPA, value), MPA * size, 4)
+
+
+def _size(rows: Iterable[Mapping[str, Any]], *names: str) -> float:
+    """Return the largest magnitude in columns of a table, by which their numbers are told."""
+    return max(
+        (abs(row[name]) for row in rows for name in names if row[name] is not None), default=0.0
+    )
+
+
+def _moisture(value: float | None) -> str:
+    """Return a critical moisture [%]; where none suffices, there is none to tell."""
+    return "none" if value is None else number(PERCENT * value, 2)
+
+
+def _whose(basis: str) -> str:
+    share = basis.removeprefix("isotropic ")
+    return WHOSE.get(basis, f"{share} of fibers from an isotropic start see less")
+
+
+def _by_basis(found: Mapping[str, Any]) -> Markup:
+    columns = (
+        Column("Whose pressure", is_text=True),
+        Column("Lowest", "MPa"),
+        Column("Margin to vapor", "MPa"),
+        Column("Critical moisture", "%"),
+        Column("its mean by flux", "%"),
+        Column("Share of the melt below vapor", "%"),
+    )
+    size = _size(found["by_basis"].values(), "lowest_pressure", "margin")
+    rows = [
+        (
+            _whose(basis),
+            _mpa(one["lowest_pressure"], size),
+            _mpa(one["margin"], size),
+            _moisture(one["critical_moisture"]),
+            _moisture(one["mean_critical_moisture"]),
+            percent(one["share_below"], 0),
+        )
+        for basis, one in found["by_basis"].items()
+    ]
+    note = Markup(
+        "<p>Without {} that pass close by a singular corner. A margin below zero: a "
+        "bubble can grow. A critical moisture of 0: the melt is under tension, and no drying "
+        "helps; none: no moisture that the polymer can hold suffices. With them the "
+        "lowest is {} MPa in any direction of a fiber.</p>\n"
+    ).format(
+        "streamlines" if found["profile"] else "paths",
+        _mpa(found["including_singular"]["lowest_pressure"], size),
+    )
+    where = "in the bead" if found["profile"] else "on the paths"
+    return table(f"Lowest local pressure {where}", columns, rows) + note
+
+
+def _profile(found: Mapping[str, Any]) -> Markup:
+    columns = (
+        Column("Height in the bead", "mm"),
+        Column("Fibers of the initial angles, mean", "MPa"),
+        Column("Any direction, mean", "MPa"),
+        Column("Any direction, lowest", "MPa"),
+        Column("Time below vapor", "ms"),
+        Column("Critical moisture", "%"),
+        Column("Any direction, mean, with singular ones", "MPa"),
+    )
+    layers = found["profile"]
+    height, time = (_size(layers, name) for name in ("height", "time_below"))
+    size = _size(layers, "fiber_pressure", "mean_pressure", "lowest_pressure")
+    rows = [
+        (
+            sized(MM * layer["height"], MM * height),
+            _mpa(layer["fiber_pressure"], size),
+            _mpa(layer["mean_pressure"], size),
+            _mpa(layer["lowest_pressure"], size),
+            sized(_of(MS, layer["time_below"]), MS * time),
+            "–" if layer["lowest_pressure"] is None else _moisture(layer["critical_moisture"]),
+            _mpa(layer["including_singular"]["mean_pressure"], size),
+        )
+        for layer in reversed(layers)
+    ]
+    return table("From the free surface down to the bed, means by flux", columns, rows)
+
+
+def _lines(found: Mapping[str, Any]) -> Markup:
+    lines = found["streamlines"]
+    heights = ("height",) if found["profile"] else ()
+    word = "streamline" if found["profile"] else "path"
+    columns = (
+        Column(word.capitalize(), is_text=True),
+        *(Column(f"{name.capitalize()} in the bead", "mm") for name in heights),
+        Column("Lowest", "MPa"),
+        Column("at x", "mm"),
+        Column("at y", "mm"),
+        Column("Time below vapor", "ms"),
+        Column("Critical radius", "nm"),
+        Column("log10 of the rate", "1/(m³ s)"),
+        Column("Barrier left at onset", "%"),
+        Column("Critical moisture", "%"),
+    )
+    place, time = _size(lines, *heights, "x", "y"), _size(lines, "time_below")
+    size = _size(lines, "lowest_pressure")
+    rows = [
+        (
+            f"{line['index']}{'*' if line['near_singularity'] else ''}",
+            *(sized(MM * line[name], MM * place) for name in heights),
+            _mpa(line["lowest_pressure"], size),
+            sized(MM * line["x"], MM * place),
+            sized(MM * line["y"], MM * place),
+            sized(_of(MS, line["time_below"]), MS * time),
+            number(_of(NM, line["critical_radius"]), 3),
+            number(line["log10_rate"], 3),
+            number(_of(PERCENT, line["required_wetting"]), 2),
+            _moisture(line["critical_moisture"]),
+        )
+        for line in lines
+    ]
+    caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
+    return folded(f"{word.capitalize()} by {word}", table(caption, columns, rows))
+
+
+def _of(factor: float, value: float | None) -> float | None:
+    return None if value is None else factor * value
+
+
+def _assumed(found: Mapping[str, Any]) -> Markup:
+    """Return what of the material's card is an estimate, and what it lacks."""
+    material = found["material"]
+    until = "the bead is laid" if found["profile"] else "its path ends"
+    lines = [
+        "The melt has one temperature and one viscosity everywhere.",
+        f"Moisture has no time to leave the melt before {until}.",
+        *(f"Not known: {hole}." for hole in material["missing"]),
+    ]
+    if material["estimates"]:
+        keys = Markup(", ").join(
+            Markup('<code class="key">{}</code>').format(key) for key in material["estimates"]
+        )
+        lines.append(
+            Markup("Estimates rather than measurements, of the card {}: {}.").format(
+                material["key"], keys
+            )
+        )
+    items = Markup().join(Markup("<li>{}</li>\n").format(line) for line in lines)
+    return Markup("<h3>Assumptions</h3>\n<ul>\n{}</ul>\n").format(items)

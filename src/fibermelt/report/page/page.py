@@ -1,0 +1,99 @@
+"""The report: one HTML file that needs nothing else, as a pure function of the store.
+
+Nothing but the stored results and summary goes into it: no date, no path, no machine. The same
+store gives the same bytes with the same versions of fibermelt and matplotlib.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from fibermelt.engine.finished import read_finished
+from fibermelt.engine.outputs import replace_output
+from fibermelt.engine.schema import REPORT
+from fibermelt.errors import StoreError
+from fibermelt.parts.bead.figures.interactive import NEEDS, bead_data
+from fibermelt.report.kit.templates import page_file, page_template
+from fibermelt.report.page.account import account, title_of
+from fibermelt.report.page.answer import answer
+from fibermelt.report.page.embed import embed_figures
+from fibermelt.report.page.sections import told
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["render", "write_report"]
+
+OVERVIEW = "overview"
+"""The figure that stands first, above the one that moves."""
+
+
+def render(
+    results: xr.Dataset, summary: Mapping[str, Any], drawn: Mapping[str, bytes] | None = None
+) -> bytes:
+    """Return the report of a finished run.
+
+    Parameters
+    ----------
+    results : xarray.Dataset
+        Content of results.nc, with the study in its attributes.
+    summary : mapping
+        Content of summary.json.
+    drawn : mapping, optional
+        The figures' files by name (``"overview.svg"``) where they were drawn before from these
+        results; it saves the time to draw them, and changes nothing else.
+
+    Returns
+    -------
+    bytes
+        HTML, UTF-8, that needs no other file; it links to those that lie beside it.
+
+    Raises
+    ------
+    StoreError
+        If the results hold no study that this fibermelt reads.
+    """
+    opening = account(results, summary)
+    figures = {figure.name: figure for figure in embed_figures(results, drawn)}
+    overview = figures.pop(OVERVIEW, None)
+    page = page_template("page.html.j2").render(
+        title=title_of(results),
+        answer=answer(results, summary),
+        account=opening,
+        overview=overview,
+        bead=Markup(bead_data(results)) if NEEDS.issubset(results) else None,  # escaped there
+        sections=told(results, summary, figures),
+        style=Markup(page_file("style.css")),
+        script=Markup(page_file("bead.js")),
+    )
+    return str(page).encode()
+
+
+def write_report(directory: Path) -> Path:
+    """Write the report of a results folder into it, and return its path.
+
+    Figures that the run drew, and that are as it wrote them, are taken from the folder rather
+    than drawn again.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds no finished run, what it holds was changed, another run was put on
+        show meanwhile, or it cannot be written; an older report is still there then.
+    """
+    finished = read_finished(directory)
+    page = render(finished.results, finished.summary, finished.drawn)
+    path = directory / REPORT
+    try:
+        replace_output(directory, REPORT, page, finished.run)
+    except StoreError as error:
+        if not isinstance(error.__cause__, OSError):
+            raise
+        reason = (error.__cause__.strerror or str(error.__cause__)).lower()
+        msg = f"{path}: cannot be written: {reason}; make the folder writable, or report on a copy"
+        raise StoreError(msg) from error
+    return path

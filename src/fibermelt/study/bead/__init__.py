@@ -1,1 +1,0 @@
-"""Stages and summary of fibers in the bead: flow, streamlines, cell, motion."""

@@ -1,1 +1,0 @@
-"""Stages and summaries of suspensions: the tensor along the flow, interaction, content."""

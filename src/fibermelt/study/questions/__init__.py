@@ -1,1 +1,0 @@
-"""What a single command answers without a results folder of its own."""

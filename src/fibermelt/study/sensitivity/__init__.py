@@ -1,1 +1,0 @@
-"""Single fibers in simple shear, and ellipses against the spheroids that they stand for."""

@@ -1,1 +1,0 @@
-"""The ladder of checks as a part of a study."""

@@ -1,1 +1,0 @@
-"""Stages, settings and summary of voids: vapor against the pressure of the melt."""
