@@ -85,7 +85,7 @@ QUANTITIES = declared(
     Q("gradient_error", _PATH, "1/s", "estimated error of the gradient along the streamline"),
     Q("stream_function_drift", "streamline", "1", "drift of the stream function over the flux"),
     Q("near_singularity", "streamline", "1", "whether it passes close by a singular corner"),
-    Q("zone_time", "streamline zone", "s", "time at which the zone is reached"),
+    Q("zone_time", "streamline zone", "s", "time at which the zone is reached; NaN if never"),
     Q("middle_time", "streamline", "s", "time at the middle of the capillary"),
     Q("temperature", _PATH, "K", "temperature of the melt"),
     Q("path_end", "streamline", "1", "why the path ends: outlet, wall, stagnation, time or file"),

@@ -96,7 +96,8 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         if item["kind"] == "min"
     }
     locations = sorted({location for _, location in found})
-    columns = [Column("Streamline", is_text=True), Column("Transit", "s")]
+    word = "streamline" if "bead_height" in summary["flow"] else "path"
+    columns = [Column(word.capitalize(), is_text=True), Column("Transit", "s")]
     for location in locations:
         columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
     rows = []
@@ -131,7 +132,7 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         if any(locations)
         else "Loc. 0 is the whole way"
     )
-    return table("Lowest pressure by streamline", columns, rows) + note
+    return table(f"Lowest pressure by {word}", columns, rows) + note
 
 
 def cost(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
