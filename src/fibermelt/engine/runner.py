@@ -139,7 +139,7 @@ class _Run:
             return summary
         data: dict[str, xr.Dataset] = {}
         cost: dict[str, float] = {}
-        for stage in stages:
+        for number, stage in enumerate(stages, 1):
             record = found.get(stage.name)
             if record is not None:
                 stored = store.load(record)
@@ -152,6 +152,9 @@ class _Run:
                 record = store.save(record, stored, replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
             data[stage.name] = stage.multiple(stage_parameters(stage, values)).of(stored)
+            for later in stages[number:]:
+                asked = stage_parameters(later, values)
+                named(later.foresee)(asked, stage.name, data[stage.name])
             cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
 

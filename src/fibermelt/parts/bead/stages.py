@@ -9,11 +9,12 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of, viscosity_of
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +28,7 @@ __all__ = [
     "cell_estimates",
     "cell_stage",
     "domain_size",
+    "foresee_motion",
     "motion_estimates",
     "motion_stage",
     "stored_model",
@@ -122,7 +124,8 @@ def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> 
             "cell_edge": solution.element_edges,
             "cell_velocity": solution.velocity,
             "cell_pressure": solution.pressure,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -178,7 +181,8 @@ def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say)
             "cell_edge": around.lines,
             "cell_velocity": around.velocity,
             "cell_pressure": around.pressure,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -257,6 +261,12 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 
     arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
+
+
+def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
+    """Refuse fibers that are known in a plane only as soon as a field is known to be in space."""
+    if name == "field" and str(data["field_geometry"].item()) == "spatial":
+        _refuse_in_plane(parameters)
 
 
 def _refuse_in_plane(parameters: Parameters) -> None:
@@ -353,5 +363,6 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "quantile_highest": isotropic.highest,
             "extreme_bounds": extreme_bounds(path, bounds, middle),
             "extreme_quantiles": isotropic.extremes,
-        }
+        },
+        QUANTITIES,
     )
