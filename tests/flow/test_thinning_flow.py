@@ -10,7 +10,7 @@ from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.flow.search import SurfaceSearch
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.flow.streamlines import trace_streamlines
-from fibermelt.melt import CarreauYasuda, PowerLaw, ViscosityLaw
+from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
 from fibermelt.verify.flow import line_flux
 
