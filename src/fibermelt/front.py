@@ -25,7 +25,7 @@ from fibermelt.engine.runner import summarize
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import ConfigError, legible
 from fibermelt.parts.variables import study_of
-from fibermelt.report.page.lazily import draw, render
+from fibermelt.report.page import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.sweeps.collect import collect_sweep
 from fibermelt.sweeps.design import read_sweep

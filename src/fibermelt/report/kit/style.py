@@ -11,7 +11,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,6 +52,7 @@ __all__ = [
     "Words",
     "add_axes",
     "color_bar",
+    "drawn_in_style",
     "key_above",
     "key_mark",
     "letter",
@@ -60,7 +60,6 @@ __all__ = [
     "round_up",
     "save",
     "share_within",
-    "styled",
 ]
 
 Array = NDArray[np.float64]
@@ -165,15 +164,10 @@ def _style() -> Iterator[None]:
         yield
 
 
-def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
-    """Have a figure drawn in this style."""
-
-    @wraps(draw)
-    def drawn(results: xr.Dataset) -> Figure:
-        with _style():
-            return draw(results)
-
-    return drawn
+def drawn_in_style(drawing: Callable[[xr.Dataset], Figure], results: xr.Dataset) -> Figure:
+    """Return a figure drawn in this style."""
+    with _style():
+        return drawing(results)
 
 
 def new_figure(width: float, height: float) -> Figure:

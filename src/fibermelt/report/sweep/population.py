@@ -24,7 +24,6 @@ from fibermelt.report.kit.style import (
     key_mark,
     letter,
     new_figure,
-    styled,
 )
 from fibermelt.report.kit.tables import number
 from fibermelt.report.kit.ticks import plain_numbers
@@ -94,7 +93,6 @@ def _bands(values: Array, weights: Array | None = None) -> Array:
     return np.stack([quantiles(line, LEVELS, weights) for line in values.T], axis=1)
 
 
-@styled
 def figure_population(collected: xr.Dataset) -> Figure:
     """Draw median and band of the lowest pressure by streamline, at both locations.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +23,6 @@ from fibermelt.report.kit.style import (
     key_mark,
     new_figure,
 )
-from fibermelt.report.kit.style import styled as in_style
 from fibermelt.report.kit.tables import number
 from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
@@ -63,7 +61,6 @@ STEPS = 512
 """Points of a distribution that are drawn: of more cases, every so many."""
 
 
-@in_style
 def sweep_quantiles(collected: xr.Dataset) -> Figure:
     """Draw the distribution of each response over the samples, with its quantiles.
 
@@ -188,10 +185,6 @@ def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:
     found : sequence of (Response, Indices), optional
         What `all_indices` found in it; it saves the time to find it.
     """
-    return in_style(partial(_draw_indices, found=found))(collected)
-
-
-def _draw_indices(collected: xr.Dataset, found: Found | None) -> Figure:
     table = sweep_table(collected)
     found = found or all_indices(table)
     rows, tall = -(-len(found) // ACROSS), LINE * len(table.axes) + 4

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 
 from fibermelt.parts.bead.figures.spread import by_streamline, draw_fibers, draw_mean, spread_key
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, regular
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     FULL,
@@ -20,13 +21,12 @@ from fibermelt.report.kit.style import (
     key_above,
     letter,
     new_figure,
-    styled,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["alignment_words", "figure_alignment", "isotropic_angles", "within_quarter_turn"]
+__all__ = ["figure_alignment", "isotropic_angles", "within_quarter_turn"]
 
 STARTS = 3600
 """Evenly spread starts that stand for all: a twentieth of a degree apart."""
@@ -86,7 +86,42 @@ def _zone_angles(results: xr.Dataset, zone: int) -> Array:
     return within_quarter_turn(angle.to_numpy())
 
 
-@styled
+def alignment_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    steady = regular(results)
+    told = []
+    for zone in range(len(ZONES)):
+        away = np.degrees(np.abs(_zone_angles(results, zone)))
+        half = np.median(away, axis=1)
+        calm = int(np.argmax(np.where(steady, half, -1.0)))
+        told.append(
+            f"at zone {zone + 1} half of them within {half[steady].min():.0f}° to "
+            f"{half[calm]:.0f}°, the latter on streamline {int(results['streamline'][calm])}"
+        )
+    near = at_corners(results, "Diamonds: streamlines", ", near a singular corner.")
+    return Words(
+        caption=(
+            "Fig. 20 of the paper: angle of the fibers to the streamline at zones 1 to 3, by "
+            f"streamline, for fibers of {initial_angles(results)} (points; line: their mean). "
+            "Bounds over all initial angles would be the whole half turn, as every direction is "
+            "that of some start; the bands hold the middle shares of evenly spread starts, exact "
+            f"by the one linear map that all directions of a streamline share.{near}"
+        ),
+        alt=(
+            "Three charts by streamline of the fibers' angles to it, either way: "
+            f"{'; '.join(told)}."
+        ),
+    )
+
+
+@plate(
+    "alignment",
+    "Orientation at the zones",
+    section="fibers",
+    words=alignment_words,
+    needs="extreme zone_time",
+    paper="Fig. 20",
+)
 def figure_alignment(results: xr.Dataset) -> Figure:
     """Draw the angle to the streamline by streamline, at the three zones."""
     figure = new_figure(FULL, 82)
@@ -124,31 +159,3 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
         for share, color, opacity in SHARES
     ]
     return [mean, fibers, *bands, near]
-
-
-def alignment_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_alignment`."""
-    steady = regular(results)
-    told = []
-    for zone in range(len(ZONES)):
-        away = np.degrees(np.abs(_zone_angles(results, zone)))
-        half = np.median(away, axis=1)
-        calm = int(np.argmax(np.where(steady, half, -1.0)))
-        told.append(
-            f"at zone {zone + 1} half of them within {half[steady].min():.0f}° to "
-            f"{half[calm]:.0f}°, the latter on streamline {int(results['streamline'][calm])}"
-        )
-    near = at_corners(results, "Diamonds: streamlines", ", near a singular corner.")
-    return Words(
-        caption=(
-            "Fig. 20 of the paper: angle of the fibers to the streamline at zones 1 to 3, by "
-            f"streamline, for fibers of {initial_angles(results)} (points; line: their mean). "
-            "Bounds over all initial angles would be the whole half turn, as every direction is "
-            "that of some start; the bands hold the middle shares of evenly spread starts, exact "
-            f"by the one linear map that all directions of a streamline share.{near}"
-        ),
-        alt=(
-            "Three charts by streamline of the fibers' angles to it, either way: "
-            f"{'; '.join(told)}."
-        ),
-    )

@@ -20,6 +20,7 @@ from fibermelt.parts.bead.figures.surroundings import (
 )
 from fibermelt.parts.variables import study_of
 from fibermelt.report.kit.drawing import curves, frame, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -33,13 +34,12 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
     round_up,
-    styled,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["cell_words", "figure_cell"]
+__all__ = ["figure_cell"]
 
 TIP, TIP_BOUNDS = 4.0, (0.04, 0.6)
 """Half the width of the tip's close-up over its radius of curvature, and over the half-length."""
@@ -88,7 +88,57 @@ def _deepest(results: xr.Dataset) -> Deepest:
     )
 
 
-@styled
+def cell_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    found = _deepest(results)
+    size, aspect = float(results["domain_size"]), float(results["aspect_ratio"])
+    angle, where = np.degrees(found.angle), np.degrees(found.where)
+    if np.isnan(size):
+        cell = (
+            f"a fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
+            "net it is drawn on, in the fiber's axes."
+        )
+    else:
+        cell = (
+            f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
+            f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
+            f"{_meshed(results)}, in the fiber's axes."
+        )
+    # A circle has no direction: where its pressure is lowest, rounding says.
+    lowest = (
+        f"the orientation with the lowest pressure, {found.pressure:.2f} μγ̇ at the eccentric "
+        f"angle {where:.1f}° of the surface"
+        if aspect > 1
+        else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
+    )
+    newtonian = (
+        " All of a Newtonian melt; the pressures of the bead are of the melt as it thins."
+        if "thinning_rate" in results
+        else ""
+    )
+    return Words(
+        caption=(
+            f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
+            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
+            f"melt's own pressure.{newtonian}"
+        ),
+        alt=(
+            f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "
+            "finest at the ellipse. In simple shear the pressure "
+            f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
+            f"eccentric angle {where:.0f}° and at the opposite point of the surface."
+        ),
+    )
+
+
+@plate(
+    "cell",
+    "The fiber's cell",
+    section="shear",
+    words=cell_words,
+    needs="extreme",
+    paper="Fig. 5a and 6a",
+)
 def figure_cell(results: xr.Dataset) -> Figure:
     """Draw the cell's mesh, the pressure around the fiber, and its tip in both."""
     found = _deepest(results)
@@ -178,46 +228,3 @@ def _meshed(results: xr.Dataset) -> str:
     if study_of(results).get("numerics", {}).get("cell_mesh") == "paper":
         return "The paper's 1800 quadratic triangles, finest at the fiber"
     return "Curved elements, graded to the tip"
-
-
-def cell_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_cell`."""
-    found = _deepest(results)
-    size, aspect = float(results["domain_size"]), float(results["aspect_ratio"])
-    angle, where = np.degrees(found.angle), np.degrees(found.where)
-    if np.isnan(size):
-        cell = (
-            f"a fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
-            "net it is drawn on, in the fiber's axes."
-        )
-    else:
-        cell = (
-            f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
-            f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
-            f"{_meshed(results)}, in the fiber's axes."
-        )
-    # A circle has no direction: where its pressure is lowest, rounding says.
-    lowest = (
-        f"the orientation with the lowest pressure, {found.pressure:.2f} μγ̇ at the eccentric "
-        f"angle {where:.1f}° of the surface"
-        if aspect > 1
-        else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
-    )
-    newtonian = (
-        " All of a Newtonian melt; the pressures of the bead are of the melt as it thins."
-        if "thinning_rate" in results
-        else ""
-    )
-    return Words(
-        caption=(
-            f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
-            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
-            f"melt's own pressure.{newtonian}"
-        ),
-        alt=(
-            f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "
-            "finest at the ellipse. In simple shear the pressure "
-            f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
-            f"eccentric angle {where:.0f}° and at the opposite point of the surface."
-        ),
-    )

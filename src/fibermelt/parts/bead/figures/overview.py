@@ -27,6 +27,7 @@ from fibermelt.report.kit.drawing import (
     scene_axes,
     spread_out,
 )
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -36,14 +37,13 @@ from fibermelt.report.kit.style import (
     key_above,
     letter,
     round_up,
-    styled,
 )
 from fibermelt.report.kit.tables import number, ranged, sized
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_overview", "overview_words"]
+__all__ = ["figure_overview"]
 
 CHARTS, SCALE = 64.0, 21.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
@@ -57,7 +57,49 @@ LINE = 9.0
 """Height of a line of text, with what stays free above it [points]."""
 
 
-@styled
+def overview_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    own = results["pressure"].to_numpy()
+    bound = MPA * (own + results["bound_lowest"].to_numpy())
+    chosen = np.where(regular(results)[:, None], bound, np.inf)
+    row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
+    width = read_scene(results).width
+    where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
+    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
+    mean = MPA * extreme.transpose("location", "streamline").to_numpy()
+    share = 100 * float(results["quantile"][0])
+    return Words(
+        caption=(
+            "The bead at a glance. Red: the pressure on a fiber's surface lies below the "
+            "atmosphere's, where a void may form. (a) For the worst orientation there and then: "
+            f"no fiber sees less. (b) Near the exit, what {share:.0f} % of the fibers of an "
+            "isotropic start fall below: in the capillary fibers lie along the flow, and the worst "
+            "orientation is rare. Drawn between the first and the last streamline. (c, d) Lowest "
+            "surface pressure less the melt's own, by streamline, above the middle of the "
+            "capillary and below it; diamonds: the streamline passes near a singular corner, and "
+            "its numbers depend on the mesh."
+        ),
+        alt=(
+            "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
+            "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
+            f"the worst orientation gives {number(chosen[row, at], 3)} MPa, on streamline "
+            f"{int(results['streamline'][row])} at x = {where[0]} mm, y = {where[1]} mm. "
+            "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its "
+            "mean over the initial angles lies at Loc. 1 between "
+            f"{ranged(mean[0].min(), mean[0].max(), between='and')} MPa, at Loc. 2 between "
+            f"{ranged(mean[1].min(), mean[1].max(), between='and')} MPa."
+        ),
+    )
+
+
+@plate(
+    "overview",
+    "The bead at a glance",
+    section="bead",
+    words=overview_words,
+    needs="extreme node_x",
+    place=0,
+)
 def figure_overview(results: xr.Dataset) -> Figure:
     """Draw the lowest surface pressure over the bead, and the extremes by streamline."""
     scene = read_scene(results)
@@ -124,38 +166,3 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
             color=feature.color,
             fontweight="bold",
         )
-
-
-def overview_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_overview`."""
-    own = results["pressure"].to_numpy()
-    bound = MPA * (own + results["bound_lowest"].to_numpy())
-    chosen = np.where(regular(results)[:, None], bound, np.inf)
-    row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
-    width = read_scene(results).width
-    where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
-    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
-    mean = MPA * extreme.transpose("location", "streamline").to_numpy()
-    share = 100 * float(results["quantile"][0])
-    return Words(
-        caption=(
-            "The bead at a glance. Red: the pressure on a fiber's surface lies below the "
-            "atmosphere's, where a void may form. (a) For the worst orientation there and then: "
-            f"no fiber sees less. (b) Near the exit, what {share:.0f} % of the fibers of an "
-            "isotropic start fall below: in the capillary fibers lie along the flow, and the worst "
-            "orientation is rare. Drawn between the first and the last streamline. (c, d) Lowest "
-            "surface pressure less the melt's own, by streamline, above the middle of the "
-            "capillary and below it; diamonds: the streamline passes near a singular corner, and "
-            "its numbers depend on the mesh."
-        ),
-        alt=(
-            "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
-            "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
-            f"the worst orientation gives {number(chosen[row, at], 3)} MPa, on streamline "
-            f"{int(results['streamline'][row])} at x = {where[0]} mm, y = {where[1]} mm. "
-            "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its "
-            "mean over the initial angles lies at Loc. 1 between "
-            f"{ranged(mean[0].min(), mean[0].max(), between='and')} MPa, at Loc. 2 between "
-            f"{ranged(mean[1].min(), mean[1].max(), between='and')} MPa."
-        ),
-    )
