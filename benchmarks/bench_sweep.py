@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.parameters import flatten
 from fibermelt.engine.stages import stage_parameters
 from fibermelt.engine.store import Store
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.plan import plan_sweep
 from fibermelt.sweeps.runner import run_sweep

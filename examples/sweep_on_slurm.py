@@ -12,8 +12,8 @@ It needs dask-jobqueue: pip install "fibermelt[slurm]".
 from pathlib import Path
 from typing import Any
 
-from fibermelt.engine.loading import load_study
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.runner import run_sweep
 from fibermelt.sweeps.worker import single_threaded

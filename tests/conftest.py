@@ -20,3 +20,5 @@ settings.load_profile("untimed")
 for _name in ("SIGINT", "SIGHUP", "SIGTERM"):
     if signal.getsignal(getattr(signal, _name)) is signal.SIG_IGN:
         signal.signal(getattr(signal, _name), signal.SIG_DFL)
+
+pytest_plugins = ["solved_flows"]

@@ -17,7 +17,8 @@ from typing import Any
 import xarray as xr
 
 from fibermelt.engine.finished import Finished, read_finished
-from fibermelt.engine.loading import Study, load_study, resolve
+from fibermelt.engine.loading import Study
+from fibermelt.engine.named import named
 from fibermelt.engine.outputs import has_run
 from fibermelt.engine.progress import Observer, observing
 from fibermelt.engine.runner import run_study as run_into
@@ -27,6 +28,7 @@ from fibermelt.errors import ConfigError, legible
 from fibermelt.parts.variables import study_of
 from fibermelt.report.page import draw, render
 from fibermelt.study.chain import CHAIN
+from fibermelt.study.loading import load_study, resolve
 from fibermelt.sweeps.collect import collect_sweep
 from fibermelt.sweeps.design import read_sweep
 from fibermelt.sweeps.runner import run_sweep
@@ -242,7 +244,7 @@ class StudyAccessor:
             over = " x ".join(f"{name} ({sizes[name]})" for name in varied)
             return f"{title}: over {over}" if over else title
         parts, summary = CHAIN.asked(self.study["study"]["parts"]), self.summary
-        return "\n".join([title, *(line for part in parts for line in part.words(summary))])
+        return "\n".join([title, *(line for part in parts for line in named(part.words)(summary))])
 
     def _repr_html_(self) -> str:
         """Return the same for a notebook: the answer that the page begins with."""

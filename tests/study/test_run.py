@@ -16,6 +16,8 @@ import xarray as xr
 from coarse_runs import COARSE, ONE_THREAD, fibermelt
 from patience import PATIENCE
 
+pytestmark = pytest.mark.end_to_end
+
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):

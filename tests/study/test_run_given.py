@@ -15,6 +15,8 @@ from exact_flows import Mesh
 
 from fibermelt.report.kit.scene import read_scene
 
+pytestmark = pytest.mark.end_to_end
+
 WITHIN = 0.04
 """Part of an extreme by which it may differ away from singular corners: 0.024 on the coarse mesh,
 whose triangles are three times the default's; 0.006 on that (docs/verification.md)."""

@@ -11,6 +11,8 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.parts.interaction.figures import INTERACTION_FIGURES
 
+pytestmark = pytest.mark.end_to_end
+
 KEYS = [
     "interaction",
     "preferred_angle",

@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 from coarse_runs import COARSE, fibermelt
 
+pytestmark = pytest.mark.end_to_end
+
 CASES = {
     "confined-ellipse": ["fiber.model=confined-ellipse"],
     "paper's mesh": ["numerics.cell_mesh=paper"],

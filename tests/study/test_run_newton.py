@@ -8,6 +8,8 @@ import pytest
 import xarray as xr
 from coarse_runs import COARSE, fibermelt
 
+pytestmark = pytest.mark.end_to_end
+
 SMALL = [
     "streamlines.count=2",
     "streamlines.points=120",

@@ -7,6 +7,8 @@ from coarse_runs import COARSE, fibermelt
 
 from fibermelt.engine.store import Store
 
+pytestmark = pytest.mark.end_to_end
+
 SPEEDS = ("-s", "flow.inlet_speed=12 mm/s", "-s", "flow.bed_speed=50.8 mm/s")
 THINNER = ("-s", "melt.viscosity=400 Pa s", *SPEEDS)
 

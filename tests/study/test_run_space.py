@@ -11,6 +11,8 @@ from exact_flows import PIPE
 
 from fibermelt.fiber import Spheroid, unbounded_spheroid
 
+pytestmark = pytest.mark.end_to_end
+
 STUDY = """
 study.parts = ["bead"]
 melt.viscosity = "800 Pa s"

@@ -10,6 +10,8 @@ import pytest
 import xarray as xr
 from coarse_runs import COARSE, fibermelt
 
+pytestmark = pytest.mark.end_to_end
+
 MELT = ["melt.law=power-law", "melt.consistency=8213", "melt.index=0.5"]
 CASES = {"law": [], "local-viscosity": ["fiber.melt=local-viscosity"]}
 KEYS = ("rates", "shape_factors", "largest_pressures", "error_estimate")

@@ -109,8 +109,8 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON on standard
 
 def read_study(study: str, sets: Sequence[str] | None, over: Sequence[str] | None = None) -> Study:
     """Return a study as a command names it; tell what of it is allowed, and hardly meant."""
-    from fibermelt.engine.loading import load_study  # noqa: PLC0415
     from fibermelt.study.chain import CHAIN  # noqa: PLC0415  lazy: help needs none of it
+    from fibermelt.study.loading import load_study  # noqa: PLC0415
 
     resolved = load_study(study, sets or [], over or [])
     for line in CHAIN.unread(resolved):

@@ -44,12 +44,12 @@ def run(
     Progress goes to standard error, the numbers to standard output.
     """
     with told():
-        from fibermelt.engine.loading import replaces_another  # noqa: PLC0415
         from fibermelt.engine.parts import in_words  # noqa: PLC0415
         from fibermelt.engine.progress import observing  # noqa: PLC0415
         from fibermelt.engine.runner import run_study  # noqa: PLC0415
         from fibermelt.report.page import draw, render  # noqa: PLC0415  lazy: help needs none
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415
+        from fibermelt.study.loading import replaces_another  # noqa: PLC0415
 
         resolved = read_study(study, sets)
         if resolved.sweep is not None:
@@ -96,7 +96,6 @@ def validate(
     with told():
         from fibermelt.engine.parameters import flatten  # noqa: PLC0415
         from fibermelt.engine.wrapping import unbroken, wrapped  # noqa: PLC0415
-        from fibermelt.study.notes import study_notes  # noqa: PLC0415  lazy, as in run
         from fibermelt.sweeps.design import read_sweep  # noqa: PLC0415
 
         resolved = read_study(study, sets, over)
@@ -110,7 +109,7 @@ def validate(
         what = "study" if swept is None else f"sweep of {_counted(count)} over {swept.told()}"
         shown = unbroken(legible(study, len(study)))
         lines = [f"{shown}: a valid {what} ({resolved.origin})"]
-        lines += [f"note            {note}" for note in study_notes(resolved.config)]
+        lines += [f"note            {note}" for note in resolved.config.notes()]
         say(wrapped(lines, columns()))
 
 
@@ -129,7 +128,7 @@ def defaults(as_json: JsonOption = False) -> None:
         from fibermelt.study.config import Config  # noqa: PLC0415  lazy, as in run
 
         if not as_json:
-            say(defaults_toml(), newline=False)
+            say(defaults_toml(Config), newline=False)
             return
         listed = {
             item.key: {

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from fibermelt.engine.messages import explain
+from fibermelt.engine.named import named
 from fibermelt.engine.overrides import (
     plain,
     read_overrides,
@@ -21,23 +22,15 @@ from fibermelt.engine.overrides import (
 )
 from fibermelt.engine.parameters import excerpt
 from fibermelt.engine.syntax import parse_toml, read_toml
+from fibermelt.engine.tables import Tables
 from fibermelt.errors import ConfigError, legible
-from fibermelt.parts.interaction.config import interacting
-from fibermelt.parts.melt.config import melted
-from fibermelt.study.config import Config
 
-__all__ = ["Study", "load_study", "merged", "preset_names", "replaces_another", "resolve"]
+__all__ = ["Reader", "Study"]
 
 _LONGEST_PATH = 200
 
 IN_PYTHON = "unnamed"
 """The name of a study that has no file."""
-
-ANEW: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]] = {
-    "melt": melted,
-    "interaction": interacting,
-}
-"""What is left of a table under one that names another melt, law or model, by the table's name."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +43,7 @@ class Study:
         Its name.
     origin : str
         Where it came from, in words.
-    config : Config
+    config : Tables
         Its resolved parameters.
     path : Path, optional
         The file that it was read from.
@@ -64,190 +57,208 @@ class Study:
 
     name: str
     origin: str
-    config: Config
+    config: Tables
     path: Path | None = None
     tables: Mapping[str, Any] = field(default_factory=dict)
     sweep: Mapping[str, Any] | None = None
     own: tuple[str, ...] = ()
 
 
-def preset_names() -> list[str]:
-    """Return the names of the studies that ship with the package."""
-    shipped = files("fibermelt.data").joinpath("studies").iterdir()
-    return sorted(entry.name.removesuffix(".toml") for entry in shipped if entry.is_file())
-
-
-def load_study(
-    study: str | Mapping[str, Any],
-    overrides: Sequence[str] | Mapping[str, Any] = (),
-    over: Sequence[str] | Mapping[str, Any] = (),
-) -> Study:
-    """Return a study, resolved and checked.
+@dataclass(frozen=True)
+class Reader:
+    """What reads studies of a kind.
 
     Parameters
     ----------
-    study : str or mapping
-        The path of a TOML file, or the name of a shipped study; or its tables, or keys as in
-        ``{"preset": "paper", "flow.gap": "3.5 mm"}``.
-    overrides : sequence of str, or mapping
-        ``"flow.gap=3.5 mm"`` and the like, or as ``study``; they win over the file, and the file
-        over its preset.
-    over : sequence of str, or mapping
-        What varies besides or instead: ``"flow.gap=2.5 mm, 3 mm"`` is an entry of ``[sweep]``, and
-        so is each of a mapping.
-
-    Raises
-    ------
-    ConfigError
-        If there is no such study, it is not TOML, or a parameter is wrong; one line for each
-        fault, that names the key, the value, the bound and the way out.
+    kind : type
+        The class of resolved studies.
+    shipped : Traversable
+        The folder of those that ship with the package.
     """
-    file: Path | None = None
-    if isinstance(study, Mapping):
-        name, tables, origin = IN_PYTHON, read_tables(study), "tables in Python"
-    else:
-        path = Path(study)
-        file = path if _is_study_file(path, study) else None
-        name, tables = (path.stem, read_toml(path)) if file else (study, _preset(study))
-        origin = path.name if file else f"preset {name}"
-    if isinstance(overrides, Mapping):
-        overriding = [read_tables(overrides)] if overrides else []
-        overrides = [f"{key}={excerpt(value)}" for key, value in overrides.items()]
-    else:
-        overriding = read_overrides(overrides)
-    for table in overriding:
-        tables = merged(tables, table)
-    is_preset = file is None and not isinstance(study, Mapping)
-    own = tuple(
-        dict.fromkeys(key for table in (overriding if is_preset else [tables]) for key in table)
-    )
-    if (preset := tables.pop("preset", None)) is not None:
-        if not isinstance(preset, str):
+
+    kind: type[Tables]
+    shipped: Traversable
+
+    def _left(
+        self, table: str, below: Mapping[str, Any], over: Mapping[str, Any]
+    ) -> Mapping[str, Any]:
+        """Return what is left of a table under one that may name another card, law or model."""
+        for part in self.kind.known:
+            if table in part.renew:
+                left: Mapping[str, Any] = named(part.renew[table])(below, over)
+                return left
+        return below
+
+    def names(self) -> list[str]:
+        """Return the names of the studies that ship with the package."""
+        shipped = self.shipped.iterdir()
+        return sorted(entry.name.removesuffix(".toml") for entry in shipped if entry.is_file())
+
+    def load(
+        self,
+        study: str | Mapping[str, Any],
+        overrides: Sequence[str] | Mapping[str, Any] = (),
+        over: Sequence[str] | Mapping[str, Any] = (),
+    ) -> Study:
+        """Return a study, resolved and checked.
+
+        Parameters
+        ----------
+        study : str or mapping
+            The path of a TOML file, or the name of a shipped study; or its tables, or keys as in
+            ``{"preset": "paper", "flow.gap": "3.5 mm"}``.
+        overrides : sequence of str, or mapping
+            ``"flow.gap=3.5 mm"`` and the like, or as ``study``; they win over the file, and the
+            file over its preset.
+        over : sequence of str, or mapping
+            What varies besides or instead: ``"flow.gap=2.5 mm, 3 mm"`` is an entry of
+            ``[sweep]``, and so is each of a mapping.
+
+        Raises
+        ------
+        ConfigError
+            If there is no such study, it is not TOML, or a parameter is wrong; one line for each
+            fault, that names the key, the value, the bound and the way out.
+        """
+        file: Path | None = None
+        if isinstance(study, Mapping):
+            name, tables, origin = IN_PYTHON, read_tables(study), "tables in Python"
+        else:
+            path = Path(study)
+            file = path if self._is_study_file(path, study) else None
+            name, tables = (path.stem, read_toml(path)) if file else (study, self._preset(study))
+            origin = path.name if file else f"preset {name}"
+        if isinstance(overrides, Mapping):
+            overriding = [read_tables(overrides)] if overrides else []
+            overrides = [f"{key}={excerpt(value)}" for key, value in overrides.items()]
+        else:
+            overriding = read_overrides(overrides)
+        for table in overriding:
+            tables = self.merged(tables, table)
+        is_preset = file is None and not isinstance(study, Mapping)
+        own = tuple(
+            dict.fromkeys(key for table in (overriding if is_preset else [tables]) for key in table)
+        )
+        if (preset := tables.pop("preset", None)) is not None:
+            if not isinstance(preset, str):
+                shown = excerpt(preset)
+                msg = f'preset = {shown}: must be the name of a shipped study, such as "paper"'
+                raise ConfigError(msg)
+            tables = self.merged(self._lent(preset), tables)
+            origin += f", preset {preset}"
+        if overrides:
+            origin += ", with " + ", ".join(overrides)
+        sweep = tables.pop("sweep", None)
+        if sweep is not None and not isinstance(sweep, Mapping):
+            msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
+            raise ConfigError(msg)
+        if isinstance(over, Mapping):
+            varying: dict[str, Any] = {key: plain(entry) for key, entry in over.items()}
+            over = list(varying)
+        else:
+            varying = read_varying(over)
+        if varying:
+            sweep = {**(sweep or {}), **varying}
+            origin += ", over " + " and ".join(over)
+        refuse_without_effect(overriding, sweep or {}, varying)
+        return Study(
+            name=name,
+            origin=legible(origin, len(origin)),
+            config=self.resolve(tables),
+            path=file if file and file.is_file() else None,
+            tables=tables,
+            sweep=sweep,
+            own=own,
+        )
+
+    def replaces_another(self, folder: Path, config: Tables) -> bool:
+        """Tell whether a results folder shows a run of other parameters than a study's.
+
+        Parameters
+        ----------
+        folder : Path
+            The results folder; it need not be there. One whose config.toml cannot be read shows
+            nothing that could be told apart: whether it may be used is for the store to say.
+        config : Tables
+            The study that is to run into it.
+        """
+        try:
+            return self.resolve(read_toml(folder / "config.toml")) != config
+        except ConfigError:
+            return False
+
+    def resolve(self, tables: Mapping[str, Any]) -> Tables:
+        """Return the resolved study of nested tables such as TOML gives.
+
+        Raises
+        ------
+        ConfigError
+            One line for each fault.
+        """
+        try:
+            return self.kind.model_validate(dict(tables))
+        except ValidationError as error:
+            raise ConfigError(explain(error, tables, self.kind)) from None
+
+    def _is_study_file(self, path: Path, study: str) -> bool:
+        """Tell a file from a shipped study, which wins over a folder of its name."""
+        shown = legible(study, _LONGEST_PATH)
+        try:
+            is_folder = path.is_dir()
+            # A pipe is read like a file: /dev/stdin, or what a shell writes for <(...).
+            if path.exists() and not is_folder:
+                return True
+        except OSError as error:
+            msg = f"{shown}: no such study file: {(error.strerror or str(error)).lower()}"
+            raise ConfigError(msg) from error
+        shipped = self.names()
+        if study in shipped:
+            return False
+        if is_folder:
+            inside = path / ("config.toml" if (path / "config.toml").is_file() else "study.toml")
+            example = legible(str(inside), _LONGEST_PATH)
+            msg = f"{shown}: is a folder, not a study file: name a file in it, such as {example}"
+            raise ConfigError(msg)
+        if path.suffix == ".toml" or len(path.parts) > 1:
+            msg = f"{shown}: no such study file; the shipped studies are: {', '.join(shipped)}"
+            raise ConfigError(msg)
+        return False
+
+    def _preset(self, name: str) -> dict[str, Any]:
+        known = self.names()
+        if name not in known:
+            nearest = get_close_matches(name, known, n=1)
+            guess = f"; did you mean {nearest[0]}?" if nearest else ""
+            shipped = ", ".join(known)
             msg = (
-                f'preset = {excerpt(preset)}: must be the name of a shipped study, such as "paper"'
+                f'no study is called "{legible(name)}"{guess} '
+                f"(shipped: {shipped}; or a path to a TOML file)"
             )
             raise ConfigError(msg)
-        tables = merged(_lent(preset), tables)
-        origin += f", preset {preset}"
-    if overrides:
-        origin += ", with " + ", ".join(overrides)
-    sweep = tables.pop("sweep", None)
-    if sweep is not None and not isinstance(sweep, Mapping):
-        msg = f"sweep = {excerpt(sweep)}: is a table of what varies: write [sweep]"
-        raise ConfigError(msg)
-    if isinstance(over, Mapping):
-        varying: dict[str, Any] = {key: plain(entry) for key, entry in over.items()}
-        over = list(varying)
-    else:
-        varying = read_varying(over)
-    if varying:
-        sweep = {**(sweep or {}), **varying}
-        origin += ", over " + " and ".join(over)
-    refuse_without_effect(overriding, sweep or {}, varying)
-    return Study(
-        name=name,
-        origin=legible(origin, len(origin)),
-        config=resolve(tables),
-        path=file if file and file.is_file() else None,
-        tables=tables,
-        sweep=sweep,
-        own=own,
-    )
+        source = self.shipped.joinpath(f"{name}.toml")
+        return parse_toml(source.read_text(encoding="utf-8"), f"preset {name}")
 
+    def _lent(self, name: str) -> dict[str, Any]:
+        """Return the parameters of a shipped study, those that it has from another included.
 
-def replaces_another(folder: Path, config: Config) -> bool:
-    """Tell whether a results folder shows a run of other parameters than a study's.
+        Its table ``[sweep]`` is not lent: a study that says of nothing that it varies is one study.
+        """
+        tables = self._preset(name)
+        base = tables.pop("preset", None)
+        tables.pop("sweep", None)
+        return self.merged(self._lent(base), tables) if base else tables
 
-    Parameters
-    ----------
-    folder : Path
-        The results folder; it need not be there. One whose config.toml cannot be read shows
-        nothing that could be told apart: whether it may be used is for the store to say.
-    config : Config
-        The study that is to run into it.
-    """
-    try:
-        return resolve(read_toml(folder / "config.toml")) != config
-    except ConfigError:
-        return False
+    def merged(self, base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+        """Return ``base`` with the keys of ``over``, table by table.
 
-
-def resolve(tables: Mapping[str, Any]) -> Config:
-    """Return the resolved study of nested tables such as TOML gives.
-
-    Raises
-    ------
-    ConfigError
-        One line for each fault.
-    """
-    try:
-        return Config.model_validate(dict(tables))
-    except ValidationError as error:
-        raise ConfigError(explain(error, tables)) from None
-
-
-def _is_study_file(path: Path, study: str) -> bool:
-    """Tell a file from a shipped study, which wins over a folder of its name; refuse the rest."""
-    shown = legible(study, _LONGEST_PATH)
-    try:
-        is_folder = path.is_dir()
-        # A pipe is read like a file: /dev/stdin, or what a shell writes for <(...).
-        if path.exists() and not is_folder:
-            return True
-    except OSError as error:
-        msg = f"{shown}: no such study file: {(error.strerror or str(error)).lower()}"
-        raise ConfigError(msg) from error
-    shipped = preset_names()
-    if study in shipped:
-        return False
-    if is_folder:
-        inside = path / ("config.toml" if (path / "config.toml").is_file() else "study.toml")
-        example = legible(str(inside), _LONGEST_PATH)
-        msg = f"{shown}: is a folder, not a study file: name a file in it, such as {example}"
-        raise ConfigError(msg)
-    if path.suffix == ".toml" or len(path.parts) > 1:
-        msg = f"{shown}: no such study file; the shipped studies are: {', '.join(shipped)}"
-        raise ConfigError(msg)
-    return False
-
-
-def _preset(name: str) -> dict[str, Any]:
-    known = preset_names()
-    if name not in known:
-        nearest = get_close_matches(name, known, n=1)
-        guess = f"; did you mean {nearest[0]}?" if nearest else ""
-        shipped = ", ".join(known)
-        msg = (
-            f'no study is called "{legible(name)}"{guess} '
-            f"(shipped: {shipped}; or a path to a TOML file)"
-        )
-        raise ConfigError(msg)
-    source = files("fibermelt.data").joinpath("studies", f"{name}.toml")
-    return parse_toml(source.read_text(encoding="utf-8"), f"preset {name}")
-
-
-def _lent(name: str) -> dict[str, Any]:
-    """Return the parameters of a shipped study, those that it has from another included.
-
-    Its table ``[sweep]`` is not lent: a study that says of nothing that it varies is one study.
-    """
-    tables = _preset(name)
-    base = tables.pop("preset", None)
-    tables.pop("sweep", None)
-    return merged(_lent(base), tables) if base else tables
-
-
-def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``base`` with the keys of ``over``, table by table.
-
-    Another melt, law or model of orientation begins anew: `ANEW`.
-    """
-    both = dict(base)
-    for key, value in over.items():
-        below = both.get(key)
-        if isinstance(below, Mapping) and isinstance(value, Mapping):
-            left = ANEW[key](below, value) if key in ANEW else below
-            both[key] = merged(left, value)
-        else:
-            both[key] = value
-    return both
+        Another card, law or model begins anew: `Part.renew`.
+        """
+        both = dict(base)
+        for key, value in over.items():
+            below = both.get(key)
+            if isinstance(below, Mapping) and isinstance(value, Mapping):
+                left = self._left(key, below, value)
+                both[key] = self.merged(left, value)
+            else:
+                both[key] = value
+        return both

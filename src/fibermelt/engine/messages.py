@@ -10,10 +10,9 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fibermelt.engine.parameters import BOUNDS, Declaration, declarations, excerpt
+from fibermelt.engine.parameters import BOUNDS, Declaration, Section, declarations, excerpt
 from fibermelt.engine.toml import toml_value
 from fibermelt.errors import legible
-from fibermelt.study.config import Config
 from fibermelt.units import celsius_meant
 
 __all__ = ["explain", "unknown_key"]
@@ -27,7 +26,7 @@ _RANGE_FAULTS = {
 _TYPES = {"int_": "a whole number", "bool_": "true or false"}
 
 
-def explain(error: ValidationError, tables: Mapping[str, Any]) -> str:
+def explain(error: ValidationError, tables: Mapping[str, Any], kind: type[Section]) -> str:
     """Return one line for each fault of a study.
 
     Parameters
@@ -36,8 +35,10 @@ def explain(error: ValidationError, tables: Mapping[str, Any]) -> str:
         What the validation found.
     tables : mapping
         The study as it was written: its values appear in the messages as the person wrote them.
+    kind : type
+        What it should have been.
     """
-    known = {declaration.key: declaration for declaration in declarations(Config)}
+    known = {declaration.key: declaration for declaration in declarations(kind)}
     # What may be a number or a word is at fault twice, and so is a list by each of its items.
     return "\n".join(dict.fromkeys(_line(fault, tables, known) for fault in error.errors()))
 

@@ -14,9 +14,18 @@ from typing import Any
 from fibermelt.engine.parameters import excerpt
 from fibermelt.engine.syntax import unreadable
 from fibermelt.errors import ConfigError, legible
-from fibermelt.sweeps.settings import SETTINGS
 
-__all__ = ["plain", "read_overrides", "read_tables", "read_varying", "refuse_without_effect"]
+__all__ = [
+    "SETTINGS",
+    "plain",
+    "read_overrides",
+    "read_tables",
+    "read_varying",
+    "refuse_without_effect",
+]
+
+SETTINGS = ("design", "samples", "seed", "weight")
+"""Keys of a table ``[sweep]`` that are no parameters."""
 
 DEEPEST_KEY = 10
 """Parts of an overriding key that are read; no parameter has more than two."""

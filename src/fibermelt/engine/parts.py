@@ -3,32 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.named import named
 from fibermelt.engine.schema import REPORT
 from fibermelt.engine.stages import Stage
 from fibermelt.engine.wrapping import WIDTH, unbroken, wrapped
 from fibermelt.errors import legible_path
-from fibermelt.parts.melt.melt import DERIVED, values_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.engine.loading import Study
-    from fibermelt.engine.parameters import Value
+    from fibermelt.engine.parameters import Section, Value
 
 __all__ = ["Chain", "Part", "in_words"]
 
 
-def no_fields(results: xr.Dataset, folder: Path) -> None:
+Address = str | Callable[..., Any]
+"""A function, or where it is: ``"fibermelt.parts.bead.summary:summarize_bead"``."""
+
+
+def _nothing(results: xr.Dataset) -> dict[str, Any]:
+    """Return what a part says that cannot be asked for."""
+    return {}
+
+
+def _no_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return the lines of such a part."""
+    return []
+
+
+def _no_fields(results: xr.Dataset, folder: Path) -> None:
     """Write nothing: most parts have no field besides what is in the results."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A share of a study that can be asked for by its name: some stages, and what they tell.
+    """A share of a study: the tables that it reads, what computes it, and what it tells.
 
     Parameters
     ----------
@@ -36,19 +50,50 @@ class Part:
         What ``study.parts`` calls it.
     stages : tuple of str
         The stages that it needs; those who feed them come along.
-    summarize : callable
+    summarize : address
         From the results to its share of summary.json.
-    words : callable
+    words : address
         From the whole summary to lines for a person.
-    write_fields : callable
+    write_fields : address
         Writes the fields of the results into a folder (flow.vtu).
+    meaning : str
+        What it computes, in words; a part without one cannot be asked for: others stand on it.
+    brings : tuple of Stage
+        The stages that are its own.
+    tables : mapping
+        The tables of a study that are its own, by name; several parts may bring keys of one.
+    traits : frozenset of str
+        What it takes for granted of a study, for other parts to refuse what contradicts it.
+    refuse : address, optional
+        From a resolved study to nothing: raises a `ConfigError` where the part cannot do with it.
+    derive : address, optional
+        From a resolved study to further values that stages can read.
+    derived : mapping
+        The tables of those values, and which table of a study each follows from.
+    notes : address, optional
+        From a resolved study to sentences on what is allowed, and perhaps not meant.
+    attributes : address, optional
+        From a resolved study to attributes of its results.
+    renew : mapping of address
+        By the table's name: what of a table is left under one that names another card, law or
+        model.
     """
 
     name: str
-    stages: tuple[str, ...]
-    summarize: Callable[[xr.Dataset], dict[str, Any]]
-    words: Callable[[Mapping[str, Any]], list[str]]
-    write_fields: Callable[[xr.Dataset, Path], None] = no_fields
+    stages: tuple[str, ...] = ()
+    summarize: Address = _nothing
+    words: Address = _no_words
+    write_fields: Address = _no_fields
+    meaning: str = ""
+    brings: tuple[Stage, ...] = ()
+    tables: Mapping[str, type[Section]] = field(default_factory=dict)
+    traits: frozenset[str] = frozenset()
+    refuse: Address | None = None
+    derive: Address | None = None
+    derived: Mapping[str, str] = field(default_factory=dict)
+    notes: Address | None = None
+    attributes: Address | None = None
+    renew: Mapping[str, Address] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -58,7 +103,7 @@ class Chain:
     Parameters
     ----------
     stages : tuple of Stage
-        Inputs before those who need them.
+        In any order.
     parts : tuple of Part
         In the order in which they are told.
     version : int
@@ -74,19 +119,27 @@ class Chain:
         return tuple(part for part in self.parts if part.name in names)
 
     def needed(self, names: Collection[str], values: Mapping[str, Value]) -> tuple[Stage, ...]:
-        """Return the stages that some parts of a resolved study need, with all that feeds them."""
-        wanted = {stage for part in self.asked(names) for stage in part.stages}
-        for stage in reversed(self.stages):
-            if stage.name in wanted:
-                wanted.update(stage.fed(values))
-        return tuple(stage for stage in self.stages if stage.name in wanted)
+        """Return the stages that parts of a resolved study need, each after those that feed it."""
+        by_name = {stage.name: stage for stage in self.stages}
+        found: dict[str, Stage] = {}
+
+        def come(name: str) -> None:
+            if name not in found:
+                for fed in by_name[name].fed(values):
+                    come(fed)
+                found[name] = by_name[name]
+
+        for part in self.asked(names):
+            for name in part.stages:
+                come(name)
+        return tuple(found.values())
 
     def unread(self, study: Study) -> list[str]:
         """Return a line for each table that a study has, or varies, and none of its parts reads.
 
         What has every table is a resolved copy or the defaults: nobody chose its tables.
         """
-        parts, values = study.config.study.parts, values_of(study.config)
+        parts, values = study.config.study.parts, study.config.values()
         is_copy = set(study.own) >= set(type(study.config).model_fields)
         varied = [
             key.partition(".")[0].strip() for name in study.sweep or () for key in name.split(",")
@@ -110,7 +163,8 @@ class Chain:
         """Return the tables that the stages of some parts read."""
         stages = self.needed(names, values)
         read = {key.partition(".")[0] for stage in stages for key in stage.parameters}
-        return {DERIVED.get(table, table) for table in read}
+        derived = {name: table for part in self.parts for name, table in part.derived.items()}
+        return {derived.get(table, table) for table in read}
 
 
 def in_words(
@@ -137,7 +191,7 @@ def in_words(
     )
     return wrapped(
         [
-            *(line for part in parts for line in part.words(summary)),
+            *(line for part in parts for line in named(part.words)(summary)),
             *(f"note            {note}" for note in summary.get("notes", ())),
             f"cost            {cost}",
             f"results         {unbroken(legible_path(folder))}",

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import canonical, digest, write_through
+from fibermelt.engine.named import named
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import is_published, publish
 from fibermelt.engine.parts import Chain
@@ -21,16 +22,14 @@ from fibermelt.engine.stages import Neighbour, Parameters, Say, Stage, keys, sta
 from fibermelt.engine.store import Record, Store, stage_name
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import DamagedError, legible
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.software import versions_of
-from fibermelt.study.notes import study_notes
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parameters import Value
-    from fibermelt.study.config import Config
+    from fibermelt.engine.tables import Tables
 
 __all__ = ["DrawFigures", "WriteReport", "run_study", "software_versions", "summarize"]
 
@@ -97,23 +96,23 @@ def run_study(
         store.discard_if_empty()
 
 
-def summarize(results: xr.Dataset, config: Config, chain: Chain) -> dict[str, Any]:
+def summarize(results: xr.Dataset, config: Tables, chain: Chain) -> dict[str, Any]:
     """Return what summary.json says of results, but for what they cost.
 
     Parameters
     ----------
     results : xarray.Dataset
         As in results.nc.
-    config : Config
+    config : Tables
         The study that they are of.
     chain : Chain
         What it went through.
     """
     summary: dict[str, Any] = {"schema": SCHEMA}
-    if notes := study_notes(config):
+    if notes := config.notes():
         summary["notes"] = notes
     for part in chain.asked(config.study.parts):
-        summary |= part.summarize(results)
+        summary |= named(part.summarize)(results)
     return summary
 
 
@@ -129,7 +128,7 @@ class _Run:
     began: float
 
     def into(self, store: Store, *, fresh: bool) -> dict[str, Any]:
-        values = values_of(self.study.config)
+        values = self.study.config.values()
         stages = self.chain.needed(self.study.config.study.parts, values)
         stage_keys = keys(stages, values)
         key = self._key(values, stage_keys)
@@ -179,14 +178,14 @@ class _Run:
         """
         if stage.compute_from is None:
             return None
-        values = values_of(self.study.config)
-        asked = dict(stage.but_for_scale(stage_parameters(stage, values)))
+        values = self.study.config.values()
+        asked = dict(named(stage.but_for_scale)(stage_parameters(stage, values)))
         inputs = {name: stage_keys[name] for name in stage.fed(values)}
         for record, _ in store.records():
             is_whole = not record.neighbour and dict(record.inputs) == inputs
             if (record.stage, record.version, is_whole) != (stage.name, stage.version, True):
                 continue
-            if dict(stage.but_for_scale(record.parameters)) == asked:
+            if dict(named(stage.but_for_scale)(record.parameters)) == asked:
                 with suppress(DamagedError):
                     return Neighbour(Parameters(record.parameters), store.load(record), record.key)
         return None
@@ -198,7 +197,7 @@ class _Run:
         data: Mapping[str, xr.Dataset],
         like: Neighbour | None,
     ) -> tuple[Record, xr.Dataset]:
-        values = values_of(self.study.config)
+        values = self.study.config.values()
         parameters, fed = stage_parameters(stage, values), stage.fed(values)
         start, busy = time.perf_counter(), time.process_time()
         self.observer.step(stage.name, "started")
@@ -260,6 +259,9 @@ class _Run:
             "config": config,
             "software": json.dumps(software_versions()),
         }
+        for part in self.chain.parts:
+            if part.attributes:
+                results.attrs |= named(part.attributes)(self.study.config)
         parts = self.chain.asked(self.study.config.study.parts)
         summary = {**summarize(results, self.study.config, self.chain), "cost": dict(cost)}
 
@@ -267,7 +269,7 @@ class _Run:
             write_through(folder / "config.toml", config.encode())
             write_through(folder / "results.nc", to_bytes(results))
             for part in parts:
-                part.write_fields(results, folder)
+                named(part.write_fields)(results, folder)
             start = time.perf_counter()
             (folder / "figures").mkdir()
             if self.draw is not None:

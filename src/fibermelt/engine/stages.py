@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import canonical, digest
+from fibermelt.engine.named import named
 from fibermelt.errors import ConvergenceError
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ __all__ = [
     "Parameters",
     "Say",
     "Stage",
+    "always",
     "keys",
     "refuse_beyond",
     "stage_parameters",
@@ -130,6 +132,11 @@ def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     return ()
 
 
+def always(values: Mapping[str, Value]) -> bool:
+    """Tell that a stage costs less than to store it: milliseconds, or megabytes."""
+    return True
+
+
 def _never(values: Mapping[str, Value]) -> bool:
     """Return that a stage costs more to compute than to store, as most do."""
     return False
@@ -149,8 +156,8 @@ class Stage:
         What it reads: keys (``numerics.cell_order``) or whole tables (``flow``).
     inputs : tuple of str
         Names of the stages that it is fed; they come before it in the chain.
-    compute : callable
-        Does it.
+    compute : callable or str
+        Does it; as a text its address (`fibermelt.engine.named`), loaded when it is needed.
     told_with : str
         Another stage under whose name its cost is told, in the summary.
     inputs_if : callable, optional
@@ -173,13 +180,13 @@ class Stage:
     version: int
     parameters: tuple[str, ...]
     inputs: tuple[str, ...]
-    compute: Compute
+    compute: Compute | str
     told_with: str = ""
     inputs_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _none
     light_if: Callable[[Mapping[str, Value]], bool] = _never
-    compute_from: ComputeFrom | None = None
-    but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] = dict
-    estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] = _no_estimates
+    compute_from: ComputeFrom | str | None = None
+    but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] | str = dict
+    estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] | str = _no_estimates
 
     @property
     def heading(self) -> str:
@@ -199,10 +206,10 @@ class Stage:
             If it has no answer, also where what it found is not good by its own estimate.
         """
         if self.compute_from is None or start is None:
-            data, is_from_it = self.compute(parameters, inputs, say), False
+            data, is_from_it = named(self.compute)(parameters, inputs, say), False
         else:
-            data, is_from_it = self.compute_from(parameters, inputs, say, start)
-        refuse_beyond(self.name, self.estimates(parameters, data))
+            data, is_from_it = named(self.compute_from)(parameters, inputs, say, start)
+        refuse_beyond(self.name, named(self.estimates)(parameters, data))
         return data, start.key if start is not None and is_from_it else ""
 
     def fed(self, values: Mapping[str, Value]) -> tuple[str, ...]:

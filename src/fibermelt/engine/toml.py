@@ -5,8 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 
-from fibermelt.engine.parameters import Declaration, Value, declarations, flatten
-from fibermelt.study.config import Config
+from fibermelt.engine.parameters import Declaration, Section, Value, declarations, flatten
 
 __all__ = ["as_toml", "defaults_toml", "resolved_toml", "toml_value"]
 
@@ -34,14 +33,20 @@ def toml_value(value: object) -> str:
     raise TypeError(msg)
 
 
-def defaults_toml() -> str:
-    """Return every parameter with its default, range, unit, meaning and source, as a study."""
+def defaults_toml(kind: type[Section]) -> str:
+    """Return every parameter with its default, range, unit, meaning and source, as a study.
+
+    Parameters
+    ----------
+    kind : type
+        The class of studies.
+    """
     lines = _comment(
         "Every parameter of a fibermelt study, with its default. A quantity is a text with a "
         'unit ("24 mm/s") or a bare number in SI. Delete what you do not change, or start from '
         'a shipped study with preset = "paper" as the first line.'
     )
-    for declaration, head in _with_headings(declarations(Config)):
+    for declaration, head in _with_headings(declarations(kind)):
         lines += head
         lines += _comment(_described(declaration))
         name = declaration.key.rpartition(".")[2]
@@ -52,19 +57,19 @@ def defaults_toml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def resolved_toml(config: Config, preamble: str) -> str:
+def resolved_toml(config: Section, preamble: str) -> str:
     """Return a resolved study in SI, that runs again to the same results.
 
     Parameters
     ----------
-    config : Config
+    config : Section
         The study.
     preamble : str
         What to say on top, as a comment.
     """
     values = flatten(config)
     lines = _comment(preamble)
-    for declaration, head in _with_headings(declarations(Config)):
+    for declaration, head in _with_headings(declarations(type(config))):
         lines += head
         value = values[declaration.key]
         name = declaration.key.rpartition(".")[2]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from fibermelt.engine.parameters import Section
 from fibermelt.errors import StoreError
 from fibermelt.paper.claims.variables import CLAIM_VARIABLES
 from fibermelt.paper.orbits.variables import SENSITIVITY_VARIABLES
@@ -19,7 +20,9 @@ from fibermelt.parts.voids.variables import VOID_VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VARIABLES", "labelled", "or_none", "study_of"]
+__all__ = ["VARIABLES", "has_conditions_of_paper", "labelled", "or_none", "study_of", "table_of"]
+
+Table = TypeVar("Table", bound=Section)
 
 VARIABLES: Mapping[str, tuple[str, str, str]] = {
     **BEAD_VARIABLES,
@@ -73,3 +76,13 @@ def or_none(value: Any) -> float | None:
 def study_of(results: xr.Dataset) -> dict[str, Any]:
     """Return the study that results hold as tables, in SI; empty if they hold none."""
     return tomllib.loads(results.attrs.get("config", ""))
+
+
+def table_of(results: xr.Dataset, name: str, kind: type[Table]) -> Table:
+    """Return a table of the study that results hold; what they do not hold has its default."""
+    return kind.model_validate(study_of(results).get(name, {}))
+
+
+def has_conditions_of_paper(results: xr.Dataset) -> bool:
+    """Tell whether results are of the paper's study, whatever parts of it were computed."""
+    return results.attrs.get("conditions") == "paper"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fibermelt.errors import ConfigError
-from fibermelt.parts.orientation.stages import (
+from fibermelt.parts.interaction.suspension import (
     folgar_tucker,
     interaction_coefficient,
     preferred_angle,

@@ -11,8 +11,8 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.errors import ConfigError, legible
-from fibermelt.parts.orientation.models import build_model
-from fibermelt.parts.orientation.stages import DISTRIBUTION, rotary_diffusivity
+from fibermelt.parts.interaction.models import build_model
+from fibermelt.parts.interaction.suspension import DISTRIBUTION, rotary_diffusivity
 
 if TYPE_CHECKING:
     import numpy as np

@@ -8,15 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.finished import finished_results
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.cards import Card, load_card
-from fibermelt.parts.melt.melt import SAME_TEMPERATURE, values_of, viscosity_of
+from fibermelt.parts.melt.config import Melt
+from fibermelt.parts.melt.melt import SAME_TEMPERATURE, viscosity_of
 from fibermelt.parts.variables import study_of
+from fibermelt.parts.voids.config import Voids
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
-from fibermelt.parts.voids.stages import assess_bead, with_orientation
+from fibermelt.parts.voids.part import with_orientation
+from fibermelt.parts.voids.stages import assess_bead
 from fibermelt.parts.voids.summary import BESIDE, summarize_voids
+from fibermelt.study.loading import resolve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,7 +84,7 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
         )
         raise StoreError(msg)
     study = resolve(study_of(results))
-    table, usual = study.melt, study.voids
+    table, usual = study.table(Melt), study.table(Voids)
     card = table.card if question.material is None else _other(question.material)
     is_other = card.key != table.card.key
     given = FROM_CARD if is_other else usual.moisture
@@ -97,7 +100,7 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
         keys=ASKED,
     )
     fed = STAGES + with_orientation({"study.parts": study.study.parts})
-    viscosity = viscosity_of(Parameters(values_of(study)))
+    viscosity = viscosity_of(Parameters(study.values()))
     found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
     answer = _summary(found, results)
     is_as_run = math.isclose(melt.temperature, table.temperature or 0.0, rel_tol=SAME_TEMPERATURE)

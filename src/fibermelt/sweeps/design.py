@@ -25,12 +25,12 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from fibermelt.engine.files import canonical, digest
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.parameters import Value, declarations, excerpt, flatten
+from fibermelt.engine.tables import Tables
 from fibermelt.errors import ConfigError
 from fibermelt.parts.interaction.config import interacting
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.study.config import Config
+from fibermelt.study.loading import resolve
 from fibermelt.sweeps.axes import MOST_CASES, Axis, read_axis
 from fibermelt.sweeps.distributions import Uniform
 from fibermelt.sweeps.settings import SAMPLED, SETTINGS, Design, read_settings
@@ -52,18 +52,18 @@ class Case:
         Its place in the sweep, from 0.
     point : dict
         The parameters that vary, resolved, in SI.
-    config : Config
+    config : Tables
         The whole study.
     """
 
     index: int
     point: Mapping[str, Value]
-    config: Config
+    config: Tables
 
     @property
     def id(self) -> str:
         """Return a name that depends on the resolved study only."""
-        return digest(canonical(values_of(self.config)))[:20]
+        return digest(canonical(self.config.values()))[:20]
 
 
 @dataclass(frozen=True)

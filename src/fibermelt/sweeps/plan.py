@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fibermelt.engine.files import canonical, digest
+from fibermelt.engine.named import named
 from fibermelt.engine.stages import keys, stage_parameters
-from fibermelt.parts.melt.melt import values_of
 from fibermelt.sweeps.collection import COLLECTION
 from fibermelt.sweeps.starts import neighbours
 
@@ -172,13 +172,13 @@ def plan_sweep(sweep: Sweep, study: Study, chain: Chain) -> Plan:
     ConfigError
         If a case is no valid study.
     """
-    base = values_of(study.config)
+    base = study.config.values()
     parts = study.config.study.parts
     cases: list[PlannedCase] = []
     needed: dict[str, tuple[Stage, ...]] = {}
     users: dict[str, set[str]] = {}
     for case in sweep.stream():
-        values = values_of(case.config)
+        values = case.config.values()
         stages = chain.needed(parts, values)
         found = {name: sys.intern(key) for name, key in keys(stages, values).items()}
         last = _last(stages, values)
@@ -208,7 +208,7 @@ def _warmed(base: Mapping[str, Value], jobs: Mapping[str, Job], chain: Chain) ->
         if stage.compute_from is None or len(mine) < 2:
             continue
         read = [
-            dict(stage.but_for_scale(stage_parameters(stage, {**base, **job.case.changes})))
+            dict(named(stage.but_for_scale)(stage_parameters(stage, {**base, **job.case.changes})))
             for job in mine
         ]
         for job, own, place in zip(mine, read, neighbours(read), strict=True):

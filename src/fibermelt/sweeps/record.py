@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.loading import Study, resolve
+from fibermelt.engine.loading import Study
 from fibermelt.errors import StoreError
+from fibermelt.study.loading import resolve
 from fibermelt.sweeps.design import read_sweep
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast, get_args
 
+from fibermelt.engine.overrides import SETTINGS
 from fibermelt.engine.parameters import excerpt
 from fibermelt.errors import ConfigError
 
@@ -15,9 +16,6 @@ Design = Literal["grid", "one-at-a-time", "latin-hypercube", "sobol", "saltelli"
 DESIGNS: tuple[str, ...] = get_args(Design)
 SAMPLED = ("latin-hypercube", "sobol", "saltelli")
 """Designs whose cases are samples of distributions."""
-
-SETTINGS = ("design", "samples", "seed", "weight")
-"""Keys of the table that are no parameters."""
 
 UNUSED = {
     "samples": "draws no samples",

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.files import partial, remove, storage_errors
-from fibermelt.engine.loading import load_study
 from fibermelt.engine.schema import no_folder
 from fibermelt.engine.stages import keys
 from fibermelt.errors import ConfigError, StoreError
-from fibermelt.parts.melt.melt import values_of
+from fibermelt.study.loading import load_study
 from fibermelt.sweeps.cost import estimate, read_computed
 from fibermelt.sweeps.descriptions import distribution_told
 from fibermelt.sweeps.plan import Plan, plan_sweep
@@ -254,6 +253,6 @@ def _on_show(directory: Path, chain: Chain) -> set[Path]:
             f"show needs: {str(error).splitlines()[0]}"
         )
         raise StoreError(msg) from error
-    values = values_of(config)
+    values = config.values()
     found = keys(chain.needed(config.study.parts, values), values)
     return {stage_folder(directory, name, key) for name, key in found.items()}

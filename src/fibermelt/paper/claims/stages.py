@@ -5,8 +5,7 @@ What computes is imported when the stage runs, so that a study that is stored co
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.engine.toml import as_toml
@@ -16,27 +15,8 @@ from fibermelt.parts.variables import labelled
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.engine.parameters import Value
 
-__all__ = ["CLAIM_TABLES", "STAGES_OF", "claims_stage", "fed_by_parts"]
-
-CLAIM_TABLES = ("flow", "fiber", "interaction")
-"""What of a study the quantities read besides the results."""
-
-STAGES_OF = {
-    "bead": ("streamlines", "motion"),
-    "interaction": ("content", "interaction", "stall"),
-    "orbits": ("orbits",),
-    "voids": ("streamlines", "voids"),
-}
-"""The stages that claims are judged by, by the part of a study that has them."""
-
-
-def fed_by_parts(values: Mapping[str, Value]) -> tuple[str, ...]:
-    """Return the stages that the claims are fed, as far as a study has their parts."""
-    parts: Any = values["study.parts"]
-    asked = [name for part, names in STAGES_OF.items() if part in parts for name in names]
-    return tuple(dict.fromkeys(asked))
+__all__ = ["claims_stage"]
 
 
 def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.parameters import flatten
-from fibermelt.engine.toml import as_toml
 from fibermelt.paper.claims.judge import Verdict, claims, judge
-from fibermelt.parts.variables import study_of
+from fibermelt.parts.variables import has_conditions_of_paper
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["claims_in_words", "has_conditions_of_paper", "summarize_claims"]
-
-CONDITIONS = ("flow", "melt", "fiber", "streamlines", "interaction", "sensitivity", "numerics")
-"""The tables of a study that make its conditions."""
-
-
-def has_conditions_of_paper(results: xr.Dataset) -> bool:
-    """Tell whether results are of the paper's study, whatever parts of it were computed."""
-    from fibermelt.engine.loading import load_study  # noqa: PLC0415  the claims' only use of it
-
-    tables = study_of(results)
-    paper = tomllib.loads(as_toml(flatten(load_study("paper").config)))
-    return all(tables.get(name) == paper[name] for name in CONDITIONS)
+__all__ = ["claims_in_words", "summarize_claims"]
 
 
 def summarize_claims(results: xr.Dataset) -> dict[str, Any]:

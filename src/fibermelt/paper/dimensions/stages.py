@@ -13,8 +13,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.stages import Inputs, Parameters, Say
-from fibermelt.parts.bead.stages import domain_size, stored_model, stored_path
-from fibermelt.parts.melt.melt import LAW, newtonian_viscosity
+from fibermelt.parts.bead.beside import (
+    MODELS,
+    confined_ellipse,
+    fiber_models,
+    unbounded_models,
+)
+from fibermelt.parts.bead.stages import domain_size, stored_path
+from fibermelt.parts.melt.melt import newtonian_viscosity
 from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
@@ -25,22 +31,8 @@ if TYPE_CHECKING:
     from fibermelt.fiber.models import FiberModel
     from fibermelt.history import FlowHistory
 
-__all__ = ["DIMENSIONS_PARAMETERS", "dimensions_stage", "feature_rows", "fiber_models"]
+__all__ = ["dimensions_stage", "feature_rows"]
 
-DIMENSIONS_PARAMETERS = (
-    "sensitivity.aspect_ratios",
-    LAW,
-    "fiber.half_length",
-    "fiber.aspect_ratio",
-    "fiber.domain_size",
-    "fiber.initial_angles",
-    "numerics.cell_order",
-    "numerics.angle_tolerance",
-    "streamlines.features",
-)
-"""What `dimensions_stage` reads."""
-
-MODELS = ("confined-ellipse", "ellipse", "spheroid")
 UNBOUNDED = MODELS[1:]
 
 FEATURES, PAPER_COUNT = (4, 10, 18), 22
@@ -90,33 +82,6 @@ def feature_rows(flux_fraction: NDArray[np.float64], features: Sequence[int]) ->
     return list(dict.fromkeys(rows))
 
 
-def _confined(parameters: Parameters, ratio: float, size: float) -> FiberModel:
-    """Solve the cell of a confined ellipse."""
-    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  lazy: loads the finite elements
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
-    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
-    numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
-    fiber = Ellipse(parameters["fiber.half_length"], ratio)
-    return confined_model(solve_cell(fiber, size, numerics).response)
-
-
-def _unbounded(parameters: Parameters, ratio: float) -> list[FiberModel]:
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
-    fiber = Ellipse(parameters["fiber.half_length"], ratio)
-    return [unbounded_model("ellipse", fiber), unbounded_model("spheroid", fiber)]
-
-
-def fiber_models(parameters: Parameters, cell: xr.Dataset, size: float) -> list[FiberModel]:
-    """Return the study's fiber as each of the models; its cell is taken if it has one."""
-    chosen, ratio = stored_model(cell), parameters["fiber.aspect_ratio"]
-    confined = chosen if chosen.name == MODELS[0] else _confined(parameters, ratio, size)
-    return [confined, *_unbounded(parameters, ratio)]
-
-
 def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> dict[str, Any]:
     """Return the highest pressure in simple shear over ``mu gamma_dot``, against aspect ratio."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
@@ -125,11 +90,14 @@ def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> di
         return model.response.tip_pressure
 
     curve = np.linspace(CURVE_RATIOS[0], CURVE_RATIOS[1], CURVE_RATIOS[2])
-    unbounded = [[peak(model) for model in _unbounded(parameters, ratio)] for ratio in curve]
+    unbounded = [[peak(model) for model in unbounded_models(parameters, ratio)] for ratio in curve]
     table = [
         [
             peak(model)
-            for model in (_confined(parameters, ratio, size), *_unbounded(parameters, ratio))
+            for model in (
+                confined_ellipse(parameters, ratio, size),
+                *unbounded_models(parameters, ratio),
+            )
         ]
         for ratio in ratios
     ]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.paper.claims.printed import printed_period
-from fibermelt.parts.melt.melt import LAW, newtonian_viscosity
+from fibermelt.parts.melt.melt import newtonian_viscosity
 from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
@@ -22,20 +22,7 @@ if TYPE_CHECKING:
     from fibermelt.fiber.orbit import Orbit
     from fibermelt.fiber.response import FiberResponse
 
-__all__ = ["ORBITS_PARAMETERS", "Case", "orbit_cases", "orbits_stage"]
-
-ORBITS_PARAMETERS = (
-    "sensitivity.aspect_ratios",
-    "sensitivity.shear_rates",
-    "sensitivity.viscosities",
-    "sensitivity.shear_rate",
-    "sensitivity.domain_size",
-    "fiber.half_length",
-    "fiber.aspect_ratio",
-    LAW,
-    "numerics.cell_order",
-)
-"""What `orbits_stage` reads."""
+__all__ = ["Case", "orbit_cases", "orbits_stage"]
 
 ORBIT_MODELS = ("confined-ellipse", "ellipse")
 """Ours in its cell, and Jeffery's."""

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.numerals import rounded
-from fibermelt.parts.variables import or_none, study_of
-from fibermelt.study.notes import LONGEST_FIBER
+from fibermelt.parts.bead.checks import LONGEST_FIBER
+from fibermelt.parts.variables import or_none, table_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,12 +86,12 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
 
 def melt_met(results: xr.Dataset) -> dict[str, float | None]:
     """Return what the melt goes through, as `summarize_bead` says."""
-    from fibermelt.engine.loading import resolve  # noqa: PLC0415  lazy: the loader of studies
+    from fibermelt.parts.melt.config import Melt  # noqa: PLC0415  lazy: the cards
     from fibermelt.parts.melt.melt import melt_of  # noqa: PLC0415
 
     regular = results.isel(streamline=results["near_singularity"].to_numpy() == 0)
     told = regular if regular.sizes["streamline"] else results
-    known = melt_of(resolve(study_of(results))).rates
+    known = melt_of(table_of(results, "melt", Melt)).rates
     return {
         "lowest_viscosity": float(told["viscosity"].min()),
         "highest_rate": float(told["shear_rate"].max()),
@@ -151,7 +151,7 @@ def _fiber_scale(results: xr.Dataset) -> list[float]:
     """Return ``2 a max |dL/ds| / max |L|`` of each path [-]: how far a fiber outgrows its model."""
     import numpy as np  # noqa: PLC0415  as in _extremes
 
-    from fibermelt.engine.loading import resolve  # noqa: PLC0415  lazy: the loader of studies
+    from fibermelt.parts.bead.config import Fiber  # noqa: PLC0415  lazy: pydantic
 
     names = [name for name in "xyz" if name in results]
     place = np.stack([results[name].transpose("streamline", "point") for name in names], axis=-1)
@@ -160,7 +160,7 @@ def _fiber_scale(results: xr.Dataset) -> list[float]:
     way = np.maximum(np.linalg.norm(np.diff(place, axis=1), axis=-1), np.finfo(float).tiny)
     change = np.linalg.norm(np.diff(L, axis=1), axis=(-2, -1)) / way
     moving = np.isfinite(change) & (size[:, None] > 0.0)
-    length = 2.0 * resolve(study_of(results)).fiber.half_length
+    length = 2.0 * table_of(results, "fiber", Fiber).half_length
     steepest = np.where(moving, change, 0.0).max(axis=-1)
     return [float(value) for value in length * steepest / np.where(size > 0.0, size, 1.0)]
 

@@ -9,7 +9,20 @@ from pydantic import model_validator
 from fibermelt.engine.parameters import Section, quantity, setting
 from fibermelt.parts.sources import INFERRED, PAPER_21
 
-__all__ = ["Flow", "Streamlines"]
+__all__ = ["FLOW_NUMERICS", "Flow", "Numerics", "Streamlines"]
+
+FLOW_NUMERICS = {
+    "numerics.flow_order": "order",
+    "numerics.lip_edge": "lip_edge",
+    "numerics.contact_edge": "contact_edge",
+    "numerics.corner_edge": "corner_edge",
+    "numerics.surface_edge": "surface_edge",
+    "numerics.bulk_edge": "bulk_edge",
+    "numerics.edge_growth": "growth",
+    "numerics.flow_tolerance": "tolerance",
+    "numerics.contact_guess": "contact_guess",
+}
+"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
@@ -135,4 +148,42 @@ class Streamlines(Section):
         ge=1,
         le=1000,
         source="the paper's feature streamlines: near the left edge, the center, the right edge",
+    )
+
+
+def _edge(default: float, doc: str) -> float:
+    """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
+    edge: float = quantity(default, "", f"{doc}, over the capillary's width.", ge=1e-6, le=0.5)
+    return edge
+
+
+class Numerics(Section):
+    """Orders, edge lengths and tolerances: what changes the cost and the error, not the problem."""
+
+    flow_order: int = setting(
+        3,
+        "Velocity order of the flow; the pressure has one less. 2 is coarser, 4 finer and slower.",
+        ge=2,
+        le=6,
+    )
+    lip_edge: float = _edge(5e-4, "Mesh edge at the lips")
+    contact_edge: float = _edge(1e-3, "Mesh edge at the upstream contact point")
+    corner_edge: float = _edge(1e-2, "Mesh edge at the capillary's entrance")
+    surface_edge: float = _edge(0.07, "Largest mesh edge on a free surface")
+    bulk_edge: float = _edge(0.1, "Largest mesh edge in the bead")
+    edge_growth: float = quantity(
+        0.3, "", "How fast edges grow away from lips and contact, per distance.", ge=0.05, le=1
+    )
+    flow_tolerance: float = quantity(
+        1e-7,
+        "",
+        "Newton stops when no mesh node moves further than this over the capillary's width.",
+        ge=1e-12,
+        le=1e-3,
+    )
+    contact_guess: float | None = quantity(
+        None,
+        "m",
+        "First guess of the contact point's x; the answer does not depend on it.",
+        example="1 mm",
     )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say
+from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.melt.melt import LAW, law_of, thins
 from fibermelt.parts.variables import labelled
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from fibermelt.flow.start import StartShape
 
 __all__ = [
-    "FLOW_NUMERICS",
     "flow_but_for_scale",
     "flow_estimates",
     "flow_from",
@@ -33,19 +33,6 @@ __all__ = [
     "streamlines_stage",
     "write_fields",
 ]
-
-FLOW_NUMERICS = {
-    "numerics.flow_order": "order",
-    "numerics.lip_edge": "lip_edge",
-    "numerics.contact_edge": "contact_edge",
-    "numerics.corner_edge": "corner_edge",
-    "numerics.surface_edge": "surface_edge",
-    "numerics.bulk_edge": "bulk_edge",
-    "numerics.edge_growth": "growth",
-    "numerics.flow_tolerance": "tolerance",
-    "numerics.contact_guess": "contact_guess",
-}
-"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
 
 SCALARS = (
     "bead_height",

@@ -220,7 +220,7 @@ class Interaction(Section):
     def _build(self, asked: str) -> None:
         """Refuse what the model itself does: a range of its own, a diffusion that is negative."""
         from fibermelt.orientation.flows import flow_gradient, strain_and_spin  # noqa: PLC0415  lazy
-        from fibermelt.parts.orientation.models import build_model  # noqa: PLC0415
+        from fibermelt.parts.interaction.models import build_model  # noqa: PLC0415
 
         coefficient = 1.0 if self.coefficient is None else self.coefficient
         try:

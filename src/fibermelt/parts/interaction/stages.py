@@ -1,4 +1,4 @@
-"""The paper's section 2.5 for any fiber: its Fig. 14 and 15, each beside the paper's polynomial.
+"""The paper's section 2.5 for any fiber: from content to the cell; its Fig. 14 and 15.
 
 What computes is imported when the stage runs, so that a study that is stored costs nothing.
 """
@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.stages import Inputs, Parameters, Say
-from fibermelt.parts.orientation.stages import (
+from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.parts.interaction.suspension import (
     DISTRIBUTION,
     folgar_tucker,
+    interaction_coefficient,
     preferred_angle,
-    stored_curve,
 )
 from fibermelt.parts.variables import labelled
 
@@ -25,7 +25,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["interaction_stage"]
+__all__ = [
+    "content_stage",
+    "interaction_stage",
+    "stall_estimates",
+    "stall_stage",
+    "stored_curve",
+]
 
 CLOSURES = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
 """Closures whose preferred angles are drawn: the paper's, the fits in use, and the crude ones."""
@@ -42,6 +48,74 @@ SIZES = 121
 SMALLEST_DRAWN, LONGEST_TIME, TIMES = 3.0, 20.0, 241
 """Smallest cell, longest time [1/gamma_dot] and points of a fiber's motion towards its stall; the
 paper's Eq. 32 is compared with from that cell on, as a parabola cannot follow smaller ones."""
+
+
+def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Compute where a confined fiber stalls, against the size of its cell."""
+    from fibermelt.fiber.stall import stall_curve  # noqa: PLC0415  lazy: see the module
+
+    curve = stall_curve(parameters["fiber.aspect_ratio"])
+    say(f"the fiber stalls in cells up to M = {curve.largest_stalling_domain:.4f}")
+    return labelled(
+        {
+            "stall_domain_size": curve.domain_size,
+            "stall_shape_factor": curve.shape_factor,
+            "stall_shape_factor_error": curve.error,
+            "stall_aspect_ratio": curve.fiber_aspect_ratio,
+            "largest_stalling_domain": curve.largest_stalling_domain,
+        }
+    )
+
+
+def stall_estimates(parameters: Parameters, stall: xr.Dataset) -> tuple[Estimate, ...]:
+    """Return the error of the stall angle's curve with its bound, that of `stall_curve`."""
+    from fibermelt.fiber.stall import CURVE_TOLERANCE  # noqa: PLC0415  lazy: see the module
+
+    error = float(stall["stall_shape_factor_error"])
+    cure = "take another fiber.aspect_ratio"
+    return (Estimate("stall_shape_factor_error", error, CURVE_TOLERANCE, cure),)
+
+
+def stored_curve(stall: xr.Dataset) -> StallCurve:
+    """Return the curve that was stored."""
+    from fibermelt.fiber.stall_data import StallCurve  # noqa: PLC0415  lazy: see the module
+
+    return StallCurve(
+        float(stall["stall_aspect_ratio"]),
+        stall["stall_domain_size"].to_numpy(),
+        stall["stall_shape_factor"].to_numpy(),
+        float(stall["stall_shape_factor_error"]),
+    )
+
+
+def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
+    """Follow the paper's section 2.5: content, interaction, preferred angle, size of the cell.
+
+    The suspension is Folgar and Tucker's, whatever model the tensors follow along the streamlines.
+    The cell is the one in which a single fiber stalls at the preferred angle of its suspension.
+    """
+    from fibermelt.orientation.interaction import regime  # noqa: PLC0415  lazy: see the module
+
+    aspect_ratio = parameters["fiber.aspect_ratio"]
+    content = parameters["interaction.volume_fraction"]
+    interaction = interaction_coefficient(
+        parameters["interaction.coefficient"],
+        parameters["interaction.law"],
+        content,
+        aspect_ratio,
+    )
+    model = folgar_tucker(aspect_ratio, interaction, parameters["interaction.convention"])
+    angle = preferred_angle(model, parameters["interaction.closure"])
+    domain_size = stored_curve(inputs["stall"]).domain_size_at(angle)
+    say(f"C_I = {interaction:.5f}, preferred angle {angle:.4f} rad, M = {domain_size:.4f}")
+    return labelled(
+        {
+            "interaction_coefficient": interaction,
+            "preferred_angle": angle,
+            "content_domain_size": domain_size,
+            "content_regime": regime(content, aspect_ratio),
+        }
+    )
 
 
 def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:

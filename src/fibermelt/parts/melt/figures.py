@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from matplotlib.figure import Figure
 
-from fibermelt.engine.loading import resolve
 from fibermelt.parts.bead.summary import melt_met
+from fibermelt.parts.melt.config import Melt as MeltTable
 from fibermelt.parts.melt.melt import melt_of
-from fibermelt.parts.variables import study_of
+from fibermelt.parts.variables import table_of
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BLUE,
@@ -39,7 +39,7 @@ PERCENT, CELSIUS = 100.0, 273.15
 
 
 def _melt(results: xr.Dataset) -> Melt:
-    return melt_of(resolve(study_of(results)))
+    return melt_of(table_of(results, "melt", MeltTable))
 
 
 def _shares(results: xr.Dataset) -> tuple[Array, Array]:

@@ -9,25 +9,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, cast
 
-from fibermelt.engine.parameters import declarations, flatten
+from fibermelt.engine.parameters import declarations
 from fibermelt.errors import ConfigError
+from fibermelt.parts.flow.config import Flow
+from fibermelt.parts.melt.config import Melt as MeltTable
 from fibermelt.parts.melt.values import CONSTANTS, Constants
 from fibermelt.units import ZERO_CELSIUS
 
 if TYPE_CHECKING:
     from fibermelt.engine.parameters import Value
     from fibermelt.engine.stages import Parameters
+    from fibermelt.engine.tables import Tables
     from fibermelt.fiber.pressure import LocalViscosity
     from fibermelt.melt import ViscosityLaw
     from fibermelt.melt.melt import Melt
-    from fibermelt.parts.melt.config import Melt as MeltTable
-    from fibermelt.study.config import Config
 
 __all__ = [
     "CARD",
-    "DERIVED",
     "LAW",
     "SAME_TEMPERATURE",
+    "derived_of",
     "law_of",
     "melt_notes",
     "melt_of",
@@ -36,7 +37,6 @@ __all__ = [
     "refuse_unphysical",
     "thins",
     "thins_at_fibers",
-    "values_of",
     "viscosity_of",
 ]
 
@@ -45,9 +45,6 @@ LAW = "law"
 
 CARD = "card"
 """The table that they declare for the material card of ``[melt]``: its key and its text."""
-
-DERIVED = {LAW: "melt", CARD: "melt"}
-"""Tables that no study has, as they follow from one, and from which."""
 
 NEWTONIAN = "newtonian"
 """The name of the law that does not thin."""
@@ -59,19 +56,15 @@ SAME_TEMPERATURE = 1e-9
 """Part by which temperatures may differ and be one: 446 degF is 230 degC but for a rounding."""
 
 
-def values_of(config: Config) -> dict[str, Value]:
-    """Return all that stages can read: ``{"flow.gap": 0.003, ..., "law.name": "newtonian", ...}``.
+def derived_of(study: Tables) -> dict[str, Value]:
+    """Return what follows from ``[melt]``: ``{"law.name": "newtonian", ..., "card.key": ...}``.
 
-    Parameters
-    ----------
-    config : Config
-        A resolved study: its parameters, and what follows from ``[melt]``: ``law``, the law at the
-        melt's temperature, None for the constants of others; and ``card``, what the card says.
+    Of ``law``, the law at the melt's temperature, the constants of others are None; ``card`` is
+    what the card says.
     """
-    law = _at_temperature(config.melt)
-    card = config.melt.card
+    melt = study.table(MeltTable)
+    law, card = _at_temperature(melt), melt.card
     return {
-        **flatten(config),
         **{f"{LAW}.{name}": law.get(name) for name in ("name", *Constants.model_fields)},
         f"{CARD}.key": card.key,
         f"{CARD}.text": card.text,
@@ -140,8 +133,8 @@ def newtonian_viscosity(parameters: Parameters) -> float:
     return float(law.viscosity_at(1.0))
 
 
-def melt_of(config: Config) -> Melt:
-    """Return the melt of a study at its temperature.
+def melt_of(table: MeltTable) -> Melt:
+    """Return the melt of a table ``[melt]`` at its temperature.
 
     Raises
     ------
@@ -151,7 +144,7 @@ def melt_of(config: Config) -> Melt:
     from fibermelt.melt import LAWS  # noqa: PLC0415  lazy, as above
     from fibermelt.melt.melt import Melt  # noqa: PLC0415
 
-    table, card = config.melt, config.melt.card
+    card = table.card
     refuse_incomplete(table)
     law = _at_temperature(table)
     known = card.viscosity
@@ -172,12 +165,12 @@ def melt_of(config: Config) -> Melt:
     )
 
 
-def melt_notes(config: Config) -> list[str]:
+def melt_notes(study: Tables) -> list[str]:
     """Return what a person has to know of the melt, a sentence each."""
-    table = config.melt
+    table = study.table(MeltTable)
     if table.missing:
         return []
-    notes = [*_inertia(config), *_local_viscosity(config)]
+    notes = [*_inertia(study), *_local_viscosity(study)]
     if (at := _held_at(table)) is None:
         return notes
     return [
@@ -188,9 +181,10 @@ def melt_notes(config: Config) -> list[str]:
     ]
 
 
-def _local_viscosity(config: Config) -> list[str]:
+def _local_viscosity(study: Tables) -> list[str]:
     """Tell that fibers in a melt that thins are taken for those in a Newtonian one."""
-    if config.fiber.melt == "law" or not thins(values_of(config)):
+    values = study.values()
+    if values["fiber.melt"] == "law" or not thins(values):
         return []
     return [
         'fiber.melt = "local-viscosity": fibers are those of a Newtonian melt that has the '
@@ -200,13 +194,14 @@ def _local_viscosity(config: Config) -> list[str]:
     ]
 
 
-def _inertia(config: Config) -> list[str]:
+def _inertia(study: Tables) -> list[str]:
     """Tell a Reynolds number ``rho V W / eta`` of the capillary at which inertia counts."""
-    flow, density = config.flow, config.melt.density
+    flow, melt = study.table(Flow), study.table(MeltTable)
+    density = melt.density
     if density is None:
         return []
     width, flux = flow.capillary_width, flow.inlet_speed * flow.inlet_width
-    viscosity = float(melt_of(config).law.viscosity_at(6 * flux / width**2))
+    viscosity = float(melt_of(melt).law.viscosity_at(6 * flux / width**2))
     reynolds = density * flux / viscosity
     if reynolds <= LARGEST_REYNOLDS:
         return []

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from fibermelt.parts.flow.figures.along import MARKS
 from fibermelt.parts.flow.figures.carpet import weave
 from fibermelt.parts.flow.figures.lines import Feature, features
-from fibermelt.parts.orientation.models import model_in_words
+from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.drawing import (
     draw_bed,

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.figures import angle_from, tensors
-from fibermelt.parts.orientation.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, fixed

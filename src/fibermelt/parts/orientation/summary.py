@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.orientation.models import model_in_words
+from fibermelt.parts.interaction.models import model_in_words
 
 if TYPE_CHECKING:
     import xarray as xr

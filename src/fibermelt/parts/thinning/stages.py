@@ -11,11 +11,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.stages import Inputs, Neighbour, Parameters, Say, refuse_beyond
-from fibermelt.paper.dimensions.stages import fiber_models
+from fibermelt.parts.bead.beside import fiber_models
 from fibermelt.parts.bead.response import response_estimates, thinning_response
 from fibermelt.parts.bead.stages import domain_size, stored_path
 from fibermelt.parts.flow.stages import (
-    FLOW_NUMERICS,
     flow_estimates,
     flow_from,
     streamline_estimates,
@@ -37,25 +36,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["CAUSES", "EFFECT_PARAMETERS", "effect_stage"]
-
-EFFECT_PARAMETERS = (
-    "thinning",
-    "flow",
-    LAW,
-    "streamlines.count",
-    "streamlines.points",
-    "fiber.half_length",
-    "fiber.aspect_ratio",
-    "fiber.domain_size",
-    "fiber.pressure_reference",
-    "fiber.initial_angles",
-    "numerics.thinning_order",
-    "numerics.cell_order",
-    "numerics.angle_tolerance",
-    *FLOW_NUMERICS,
-)
-"""What `effect_stage` reads."""
+__all__ = ["CAUSES", "effect_stage"]
 
 CAUSES = ("both", "flow", "fiber")
 """What thins."""

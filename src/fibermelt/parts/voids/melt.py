@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from fibermelt.errors import ConfigError
 from fibermelt.parts.melt.cards import Card
+from fibermelt.parts.melt.config import Melt
+from fibermelt.parts.voids.config import Voids
 from fibermelt.units import ZERO_CELSIUS, celsius_meant, in_celsius
 from fibermelt.voids.checks import checked_moisture
 
-__all__ = ["FROM_CARD", "MoistMelt", "moist_melt"]
+if TYPE_CHECKING:
+    from fibermelt.engine.tables import Tables
+
+__all__ = ["FROM_CARD", "MoistMelt", "moist_melt", "refuse_moisture"]
 
 FROM_CARD: Literal["from-card"] = "from-card"
 """Stands for the card's own moisture."""
@@ -110,3 +115,16 @@ def _meant(card: Card, temperature: float) -> str:
         return celsius_meant(temperature, "K")
     low, high = card.melt.temperatures
     return in_celsius(temperature) if low <= temperature + ZERO_CELSIUS <= high else ""
+
+
+def refuse_moisture(study: Tables) -> None:
+    """Refuse a moisture that the card does not know, or does not allow.
+
+    Raises
+    ------
+    ConfigError
+        The key, the value, the bound and the way out.
+    """
+    if "voids" in study.study.parts:
+        melt = study.table(Melt)
+        moist_melt(melt.card, study.table(Voids).moisture, melt.temperature)

@@ -5,13 +5,12 @@ What computes is imported when the stage runs, so that a study that is stored co
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.stages import stored_path
-from fibermelt.parts.melt.melt import CARD, LAW, viscosity_of
+from fibermelt.parts.melt.melt import CARD, viscosity_of
 from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fibermelt.engine.parameters import Value
     from fibermelt.fiber import Spheroid, SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
     from fibermelt.melt import ViscosityLaw
@@ -28,23 +26,14 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["ORIENTED", "VOID_PARAMETERS", "assess_bead", "voids_stage", "with_orientation"]
+__all__ = ["ORIENTED", "assess_bead", "voids_stage"]
 
 DECADE = 1.0
 """How far the threshold must be below the rate without a barrier, in decades: nearer, a melt so
 dry reaches it only where nothing holds it back, and no surface decides."""
 
-VOID_PARAMETERS = ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW)
-"""What `voids_stage` reads."""
-
-
 ORIENTED = "oriented tips"
 """Basis of the mean over a distribution of orientations, where the study has one."""
-
-
-def with_orientation(values: Mapping[str, Value]) -> tuple[str, ...]:
-    """Return the stage that voids are fed besides, in a study with orientation tensors."""
-    return ("orientation",) if "orientation" in cast("Sequence[str]", values["study.parts"]) else ()
 
 
 def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.engine.loading import resolve
 from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.interaction.config import OWN
+from fibermelt.parts.melt.config import Melt
 from fibermelt.report.kit.tables import Column, number, short
 from fibermelt.report.kit.templates import rendered
-from fibermelt.study.config import Config, Melt
+from fibermelt.study.config import Config
+from fibermelt.study.loading import resolve
 from fibermelt.units import parse
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from fibermelt.paper.claims.judge import Claim
-from fibermelt.paper.claims.of_sweeps import SweptClaim, swept_claims
 from fibermelt.report.kit.judged import VERDICTS, counted
 from fibermelt.report.kit.tables import Column, number, width_class
 from fibermelt.report.kit.tables import table as tables
+from fibermelt.sweeps.claims import SweptClaim, swept_claims
 from fibermelt.sweeps.table import SweepTable
 
 if TYPE_CHECKING:

@@ -1,0 +1,216 @@
+"""The chain's stages: what they read, and that a study and the solvers mean the same defaults."""
+
+from dataclasses import astuple, fields
+
+import pytest
+
+from fibermelt.engine.files import canonical, digest
+from fibermelt.engine.netcdf import from_bytes, to_bytes
+from fibermelt.engine.stages import keys, stage_parameters
+from fibermelt.engine.toml import defaults_toml
+from fibermelt.errors import StoreError
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.paper.claims.judge import claims
+from fibermelt.paper.claims.printed import printed_periods
+from fibermelt.paper.claims.variables import CLAIM_VARIABLES
+from fibermelt.paper.orbits.variables import SENSITIVITY_VARIABLES
+from fibermelt.parts.bead.stages import PRESSURE_REFERENCE
+from fibermelt.parts.bead.variables import BEAD_VARIABLES
+from fibermelt.parts.flow.config import FLOW_NUMERICS
+from fibermelt.parts.orientation.variables import ORIENTATION_VARIABLES
+from fibermelt.parts.thinning.variables import EFFECT_VARIABLES
+from fibermelt.parts.variables import VARIABLES, labelled
+from fibermelt.parts.verification.variables import VERIFICATION_VARIABLES
+from fibermelt.parts.voids.variables import VOID_VARIABLES
+from fibermelt.study.chain import CHAIN
+from fibermelt.study.config import Config
+from fibermelt.study.loading import load_study, preset_names, resolve
+from fibermelt.units import parse
+
+TABLES = (
+    *(BEAD_VARIABLES, CLAIM_VARIABLES, ORIENTATION_VARIABLES, SENSITIVITY_VARIABLES),
+    *(VOID_VARIABLES, VERIFICATION_VARIABLES, EFFECT_VARIABLES),
+)
+DEFAULTS = resolve({}).values()
+NOT_OF_THE_FIBER = {"flow", "field", "streamlines", "verification"}
+OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - NOT_OF_THE_FIBER
+BELOW_FLOW = {
+    *("streamlines", "motion", "orientation", "dimensions", "thinning", "voids", "claims"),
+}
+
+
+def test_every_parameter_is_read_by_a_stage():
+    read = {key for stage in CHAIN.stages for key in stage_parameters(stage, DEFAULTS)}
+    # Of the melt they read what follows from it: the law at its temperature, and the card.
+    resolved = {key for key in DEFAULTS if key.startswith("melt.")}
+    assert read - resolved == set(DEFAULTS) - resolved - {"study.parts"}
+    assert read & resolved == {"melt.temperature", "melt.density"}
+
+
+def test_no_variable_is_declared_by_two_parts():
+    """Merged, one of the two would hide the other."""
+    assert len(VARIABLES) == sum(map(len, TABLES))
+
+
+def _read_of_facts():
+    """Return what stages read of the package's data, besides parameters and inputs."""
+    return {
+        "orbits": [astuple(line) for line in printed_periods()],
+        "claims": [[claim.id, claim.quantity, claim.unit] for claim in claims()],
+    }
+
+
+@pytest.mark.parametrize(
+    ("stage", "version", "seal"),
+    [("orbits", 2, "454c39af38d1"), ("claims", 1, "6a04afc9fec8")],
+)
+def test_facts_that_change_raise_the_version_of_their_stage(stage, version, seal):
+    """No key has them: what was stored with other facts would count as up to date.
+
+    Who changes a fact raises the version of its stage, and writes both down here.
+    """
+    (found,) = (one.version for one in CHAIN.stages if one.name == stage)
+    assert (found, digest(canonical(_read_of_facts()[stage]))[:12]) == (version, seal)
+
+
+def test_stages_come_after_their_inputs():
+    seen = set()
+    for stage in CHAIN.stages:
+        assert set(stage.inputs) <= seen
+        seen.add(stage.name)
+
+
+@pytest.mark.parametrize(
+    ("key", "changed"),
+    [
+        ("flow.gap", BELOW_FLOW | {"flow"}),
+        ("streamlines.count", BELOW_FLOW),
+        ("fiber.aspect_ratio", OF_THE_FIBER),
+        ("interaction.volume_fraction", {"content", "orientation", "claims"}),
+        ("interaction.model", {"orientation", "claims"}),
+        ("sensitivity.shear_rate", {"orbits"}),
+        ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "claims"}),
+        ("numerics.isotropic_angles", {"motion", "voids", "claims"}),
+        ("voids.moisture", {"voids"}),
+        ("thinning.rate", {"thinning"}),
+        ("numerics.thinning_order", {"response", "motion", "thinning", "voids", "claims"}),
+        ("fiber.melt", {"motion", "voids", "claims"}),
+        ("melt.temperature", {"voids"}),
+        ("melt.density", {"voids"}),
+        (
+            "law.viscosity",
+            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"flow", "streamlines"},
+        ),
+        ("study.ladder", {"verification"}),
+    ],
+)
+def test_a_change_reaches_what_depends_on_it(key, changed):
+    before = keys(CHAIN.stages, DEFAULTS)
+    value = DEFAULTS[key]
+    other = value[1:] if isinstance(value, tuple) else type(value)(value * 2)
+    after = keys(CHAIN.stages, {**DEFAULTS, key: other})
+    assert {name for name in before if before[name] != after[name]} == changed
+
+
+def test_the_cell_is_fed_by_the_content_where_it_decides_its_size():
+    asked = {**DEFAULTS, "fiber.domain_size": "from-content"}
+    given, found = (
+        [stage.name for stage in CHAIN.needed(["bead"], values)] for values in (DEFAULTS, asked)
+    )
+    assert given == ["flow", "streamlines", "cell", "motion"]
+    assert found == ["flow", "streamlines", "stall", "content", "cell", "motion"]
+
+
+def test_every_part_has_its_name_and_its_stages():
+    assert len({part.name for part in CHAIN.parts}) == len(CHAIN.parts)
+    assert all(part.stages for part in CHAIN.parts if part.meaning)
+    assert {name for part in CHAIN.parts for name in part.stages} <= {s.name for s in CHAIN.stages}
+
+
+def test_a_study_and_the_flow_have_the_same_defaults():
+    numerics = FlowNumerics()
+    assert set(FLOW_NUMERICS.values()) == {field.name for field in fields(FlowNumerics)}
+    for key, name in FLOW_NUMERICS.items():
+        assert DEFAULTS[key] == getattr(numerics, name)
+    for field in fields(Nozzle):
+        assert DEFAULTS[f"flow.{field.name}"] == getattr(Nozzle(), field.name)
+    speeds = {field.name: field.default for field in fields(Deposition)}
+    assert DEFAULTS["flow.inlet_speed"] == speeds["inlet_speed"]
+    assert DEFAULTS["flow.bed_speed"] == speeds["bed_speed"]
+
+
+def test_a_study_and_the_cell_have_the_same_defaults():
+    assert DEFAULTS["numerics.cell_order"] == CellNumerics().order
+    reference = PRESSURE_REFERENCE[DEFAULTS["fiber.pressure_reference"]]
+    assert reference == CellNumerics().pressure_reference
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_every_variable_has_a_unit_that_exists(name):
+    dimensions, unit, long_name = VARIABLES[name]
+    assert long_name
+    assert name not in dimensions.split() or dimensions == name
+    assert unit == "1" or parse(f"1 {unit}", unit) == 1
+
+
+def test_labelled_arrays_survive_the_file():
+    before = labelled(
+        {"streamline": [1, 2], "zone_time": [[0.1, 0.2, 0.3]] * 2, "bead_height": 3e-3}
+    )
+    after = from_bytes(to_bytes(before))
+    assert after.identical(before)
+
+
+def test_an_undeclared_variable_is_refused():
+    with pytest.raises(StoreError, match="variable gapp is not declared"):
+        labelled({"gapp": 1.0})
+
+
+def test_a_wrong_shape_is_refused():
+    with pytest.raises(StoreError, match=r"zone_time has shape \(3,\), declared are"):
+        labelled({"zone_time": [1.0, 2.0, 3.0]})
+
+
+def test_a_variable_without_a_unit_is_refused():
+    dataset = labelled({"bead_height": 3e-3})
+    del dataset["bead_height"].attrs["units"]
+    with pytest.raises(StoreError, match="variable bead_height has no units: give it both"):
+        to_bytes(dataset)
+
+
+def test_a_table_that_no_part_reads_is_told(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[voids]\nmoisture = "0.1 %"\n')
+    (line,) = CHAIN.unread(load_study(str(path)))
+    assert line.startswith('[voids] is read by no part of this study, study.parts = ["bead"]')
+    assert '"voids" reads it' in line
+    path.write_text('preset = "paper"\n[voids]\nmoisture = "0.1 %"\n')
+    assert CHAIN.unread(load_study(str(path))) == []
+    # Stages read the law that follows from it.
+    assert (
+        CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1 kPa s"])) == []
+    )
+    assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
+    assert CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1"])) == []
+    path.write_text(defaults_toml(Config))
+    assert CHAIN.unread(load_study(str(path))) == []
+
+
+def test_a_table_that_varies_and_no_part_reads_is_told(tmp_path):
+    varied = load_study("paper", ['study.parts=["bead"]'], ["voids.moisture=0.1 %, 0.2 %"])
+    (line,) = CHAIN.unread(varied)
+    assert line.startswith("[voids] is read by no part of this study")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'preset = "paper"\nstudy.parts = ["bead"]\n[sweep]\n'
+        '"flow.gap, voids.moisture" = [["3 mm", "0.1 %"], ["4 mm", "0.2 %"]]\n'
+    )
+    assert CHAIN.unread(load_study(str(path))) == [line]
+    path.write_text(f'{defaults_toml(Config)}\n[sweep]\n"flow.gap" = [3e-3, 4e-3]\n')
+    assert CHAIN.unread(load_study(str(path))) == []
+
+
+@pytest.mark.parametrize("name", [name for name in preset_names() if load_study(name).sweep])
+def test_a_shipped_sweep_varies_what_is_read(name):
+    assert CHAIN.unread(load_study(name)) == []
