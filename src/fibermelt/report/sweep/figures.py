@@ -24,7 +24,7 @@ from fibermelt.report.sweep.population import (
     has_population,
     population_words,
 )
-from fibermelt.report.sweep.shares import (
+from fibermelt.report.sweep.sampled import (
     all_indices,
     index_words,
     quantile_words,

@@ -27,7 +27,7 @@ from fibermelt.report.kit.style import (
 )
 from fibermelt.report.kit.tables import number
 from fibermelt.report.kit.ticks import plain_numbers
-from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
+from fibermelt.report.sweep.sampled import QUANTILE_RULE, weighing_told
 from fibermelt.sweeps.quantiles import LEVELS, quantiles
 from fibermelt.sweeps.table import SweepTable, sweep_table
 

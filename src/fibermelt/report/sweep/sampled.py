@@ -25,7 +25,6 @@ from fibermelt.report.kit.style import (
 )
 from fibermelt.report.kit.tables import number
 from fibermelt.report.kit.ticks import plain_numbers
-from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.sweeps.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
 from fibermelt.sweeps.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
@@ -36,11 +35,13 @@ if TYPE_CHECKING:
     from fibermelt.sweeps.responses import Response
 
 __all__ = [
+    "QUANTILE_RULE",
     "all_indices",
     "index_words",
     "quantile_words",
     "sweep_indices",
     "sweep_quantiles",
+    "weighing_told",
 ]
 
 ACROSS = 3
@@ -59,6 +60,29 @@ CLEAR: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewi
 
 STEPS = 512
 """Points of a distribution that are drawn: of more cases, every so many."""
+
+QUANTILE_RULE = (
+    "Each case stands in the middle of its share, and quantiles are linear between cases "
+    "(Hazen's rule)."
+)
+
+MEANINGS = {
+    "fiber.aspect_ratio": "of fibers of one width, shares of the fiber length and volume",
+    "fiber.half_length": "shares of the fiber length",
+}
+"""What weighing by a key gives shares of, where the cases are counted by number."""
+
+
+def weighing_told(weighing: Varied) -> str:
+    """Return how cases are weighed, and what shares that gives.
+
+    Parameters
+    ----------
+    weighing : Varied
+        What a case is weighed by.
+    """
+    meaning = MEANINGS.get(weighing.keys[0])
+    return f"each weighed by its {weighing.title}" + (f" ({meaning})" if meaning else "")
 
 
 def sweep_quantiles(collected: xr.Dataset) -> Figure:
