@@ -17,6 +17,7 @@ from fibermelt.parts.bead.figures.surroundings import (
     draw_fiber,
     net,
     rotation,
+    stored_surroundings,
 )
 from fibermelt.parts.variables import study_of
 from fibermelt.report.kit.drawing import curves, frame, scene_axes
@@ -45,6 +46,9 @@ TIP, TIP_BOUNDS = 4.0, (0.04, 0.6)
 """Half the width of the tip's close-up over its radius of curvature, and over the half-length."""
 
 MESH = "#5f86ad"
+SHEAR = np.array([[0.0, 1.0], [0.0, 0.0]])
+"""Gradient of simple shear ``u_x = y``."""
+
 ORIENTATIONS = 3601
 """Orientations among which the lowest pressure is sought, every twentieth of a degree."""
 
@@ -64,14 +68,11 @@ class Deepest:
         Lowest surface pressure less the melt's, over ``mu gamma_dot`` [-].
     where : float
         Eccentric angle of it on the surface [rad].
-    strain : (2,) array
-        ``D_11, D_12`` in the fiber's axes over ``gamma_dot`` [-].
     """
 
     angle: float
     pressure: float
     where: float
-    strain: Array
 
 
 def _deepest(results: xr.Dataset) -> Deepest:
@@ -84,7 +85,6 @@ def _deepest(results: xr.Dataset) -> Deepest:
         angle=float(angle[turn]),
         pressure=float(pressure[place, turn]),
         where=float(results["surface_angle"].to_numpy()[place]),
-        strain=strain[:, turn],
     )
 
 
@@ -203,7 +203,7 @@ def _mesh(axes: Axes, results: xr.Dataset, linewidth: float) -> None:
 def _pressure(axes: Axes, results: xr.Dataset, found: Deepest) -> TriContourSet:
     """Draw the pressure in the flow's axes, the fiber at the orientation found."""
     levels = round_up(-found.pressure) * LEVELS
-    values = results["cell_pressure"].to_numpy() @ found.strain
+    values = stored_surroundings(results).around(SHEAR, found.angle, viscosity=1.0).pressure
     field = draw_contours(axes, net(results, found.angle), values, levels, ATMOSPHERE)
     draw_fiber(axes, results, found.angle)
     return field

@@ -291,7 +291,7 @@ def figure_path_extremes(results: xr.Dataset) -> Figure:
     """Draw lowest and highest surface pressure less the melt's own, by path."""
     figure = new_figure(FULL, 68)
     for k, kind in enumerate(("min", "max")):
-        axes = add_axes(figure, 13 + 95 * k, 10, 80, 43)
+        axes = add_axes(figure, 15 + 95 * k, 10, 78, 43)
         draw_spread(axes, results, 0, kind)
         letter(axes, f"{'ab'[k]}  {('lowest', 'highest')[k]} on the way")
         axes.set_xlabel("path")

@@ -79,6 +79,9 @@ CLEAR = 1.12
 """Arrows begin this much outside the fiber, over its size: its own motion is not drawn."""
 
 
+THINS = "In a melt that thins the flow around a fiber is no sum of stored ones: it is not drawn. "
+
+
 def _start(results: xr.Dataset, side: Side) -> int:
     """Return the place of the initial direction nearest to the one that the paper draws."""
     angle = results["initial_angle"].to_numpy() - np.radians(STARTS[side])
@@ -121,7 +124,7 @@ def history_words(results: xr.Dataset) -> Words:
         "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
         f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
     )
-    around = _around_in_words(results) if _is_superposed(results) else Words("", "")
+    around = _around_in_words(results) if _is_superposed(results) else Words(THINS, "")
     return Words(
         caption=(
             f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
