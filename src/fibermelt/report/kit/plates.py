@@ -15,7 +15,10 @@ from fibermelt.report.kit.style import Words, drawn_in_style, save
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Plate", "draw_plates", "plate"]
+__all__ = ["SUFFIXES", "Plate", "draw_plates", "plate"]
+
+SUFFIXES = (".svg", ".png")
+"""Of the files of a figure."""
 
 Drawing = Callable[["xr.Dataset"], Figure]
 Wording = Callable[["xr.Dataset"], Words]

@@ -18,7 +18,7 @@ from markupsafe import Markup
 from PIL import Image
 
 from fibermelt.report.kit.dark import darkened_image, in_both_schemes
-from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.plates import SUFFIXES, Plate
 from fibermelt.report.page.figures import FIGURES, draw_figures
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def embed_figures(results: xr.Dataset, drawn: Mapping[str, bytes] | None = None)
         They are what drawing gives, so the answer is the same with and without them.
     """
     plates = [plate for plate in FIGURES if plate.is_of(results)]
-    names = [f"{plate.name}{suffix}" for plate in plates for suffix in (".svg", ".png")]
+    names = [f"{plate.name}{suffix}" for plate in plates for suffix in SUFFIXES]
     files = dict(drawn or {})
     if not files.keys() >= set(names):
         files = _draw(results)

@@ -9,9 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fibermelt.report.kit.plates import Plate, draw_plates
+from fibermelt.report.kit.plates import SUFFIXES, Plate
 from fibermelt.report.page.found import found
+from fibermelt.report.page.hand import draw_with_help
 from fibermelt.report.page.sections import SECTIONS
+from fibermelt.threads import cores
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,5 +38,6 @@ def draw_figures(results: xr.Dataset, directory: Path) -> list[Path]:
     directory : Path
         An existing folder.
     """
-    there = [plate for plate in FIGURES if plate.is_of(results)]
-    return draw_plates(there, results, directory)
+    there = tuple(plate for plate in FIGURES if plate.is_of(results))
+    draw_with_help(there, results, directory, hands=cores())
+    return [directory / f"{plate.name}{kind}" for plate in there for kind in SUFFIXES]
