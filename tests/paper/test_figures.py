@@ -10,7 +10,7 @@ from drawn_cases import case
 from turned_fibers import PARAMETERS
 
 from fibermelt.paper.orbits.figures.orbits import figure_motion
-from fibermelt.report.kit.turns import half_turn, read_turn, swept
+from fibermelt.paper.orbits.figures.turns import half_turn, read_turn, swept
 from fibermelt.report.page.figures import FIGURES
 
 TURNS = [plate for plate in FIGURES if plate.needs == "orbit_period"]

@@ -15,8 +15,7 @@ from drawn_cases import CASES, case
 from figure_texts import shown
 
 from fibermelt.report.kit.plates import Plate, draw_plates
-from fibermelt.report.kit.style import FULL, PNG_DOTS
-from fibermelt.report.kit.turns import COLUMN
+from fibermelt.report.kit.style import COLUMN, FULL, PNG_DOTS
 from fibermelt.report.page.figures import FIGURES
 from fibermelt.report.page.sections import SECTIONS
 

@@ -14,6 +14,7 @@ from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
+    COLUMN,
     GREY,
     INK,
     VERMILION,
@@ -22,7 +23,6 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
 )
-from fibermelt.report.kit.turns import COLUMN
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,6 +14,7 @@ from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
+    COLUMN,
     FULL,
     GREEN,
     GREY,
@@ -26,8 +26,8 @@ from fibermelt.report.kit.style import (
     add_axes,
     letter,
     new_figure,
+    shades,
 )
-from fibermelt.report.kit.turns import COLUMN, DARKEST, LIGHTEST, SHADES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,20 +184,15 @@ def _grid(axes: Axes) -> None:
     axes.grid(axis="y", color=BAND, linewidth=0.4)
 
 
-def _shades(count: int) -> list[str]:
-    shades = mpl.colormaps[SHADES](np.linspace(DARKEST, LIGHTEST, count))
-    return [mpl.colors.to_hex(shade) for shade in shades]
-
-
 def _rests(results: xr.Dataset, upper: Axes, lower: Axes) -> None:
     """Draw angle and spin of fibers that come to rest, from across the flow."""
     time = results["stalling_time"].to_numpy()
-    shades = _shades(results.sizes["stalling_size"])
+    colors = shades(results.sizes["stalling_size"])
     for axes, name, scale in (
         (upper, "stalling_angle", DEGREES),
         (lower, "stalling_spin", 1.0),
     ):
-        for row, color in zip(results[name].to_numpy(), shades, strict=True):
+        for row, color in zip(results[name].to_numpy(), colors, strict=True):
             axes.plot(time, scale * row, color=color, linewidth=1.2)
         axes.set_xlim(0.0, float(time[-1]))
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * float(time[-1])))
@@ -215,7 +210,7 @@ def _sizes_key(results: xr.Dataset) -> list[Line2D]:
     sizes = results["stalling_domain_size"].to_numpy()
     return [
         Line2D([], [], color=color, linewidth=1.2, label=f"M = {size:.2f}")
-        for size, color in zip(sizes, _shades(len(sizes)), strict=True)
+        for size, color in zip(sizes, shades(len(sizes)), strict=True)
     ]
 
 

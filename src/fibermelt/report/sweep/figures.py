@@ -15,9 +15,18 @@ from matplotlib.figure import Figure
 
 from fibermelt.errors import ConfigError
 from fibermelt.report.kit.plates import Plate
-from fibermelt.report.kit.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
+from fibermelt.report.kit.style import (
+    BAND,
+    BLUE,
+    FULL,
+    INK,
+    VERMILION,
+    Words,
+    add_axes,
+    new_figure,
+    plain_numbers,
+)
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
 from fibermelt.report.sweep.population import (
     figure_population,

@@ -24,9 +24,9 @@ from fibermelt.report.kit.style import (
     key_mark,
     letter,
     new_figure,
+    plain_numbers,
 )
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.sampled import QUANTILE_RULE, weighing_told
 from fibermelt.sweeps.quantiles import LEVELS, quantiles
 from fibermelt.sweeps.table import SweepTable, sweep_table

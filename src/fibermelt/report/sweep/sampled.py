@@ -22,9 +22,9 @@ from fibermelt.report.kit.style import (
     add_axes,
     key_mark,
     new_figure,
+    plain_numbers,
 )
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.sweeps.indices import FEWEST_CASES, Indices, sobol_indices, why_no_indices
 from fibermelt.sweeps.quantiles import LEVELS, quantiles, shares_below
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table

@@ -10,8 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fibermelt.report.kit.scene import MM
-from fibermelt.report.kit.style import FULL, Array, Words, add_axes, letter, new_figure
-from fibermelt.report.kit.ticks import plain_numbers
+from fibermelt.report.kit.style import (
+    FULL,
+    Array,
+    Words,
+    add_axes,
+    letter,
+    new_figure,
+    plain_numbers,
+)
 from fibermelt.sweeps.window import GAP, SPEED, critical_moistures, drying_advice
 
 if TYPE_CHECKING:

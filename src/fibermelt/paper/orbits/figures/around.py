@@ -12,12 +12,14 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from fibermelt.paper.orbits.figures.turns import KPA, cell_name
 from fibermelt.parts.bead.figures.surroundings import FIBER
 from fibermelt.report.kit.drawing import frame, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
+    COLUMN,
     INK,
     Array,
     Words,
@@ -27,7 +29,6 @@ from fibermelt.report.kit.style import (
     new_figure,
     round_up,
 )
-from fibermelt.report.kit.turns import COLUMN, KPA, cell_name
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,10 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from fibermelt.report.kit.plates import plate
-from fibermelt.report.kit.style import Words, add_axes, letter, new_figure
-from fibermelt.report.kit.turns import (
-    COLUMN,
+from fibermelt.paper.orbits.figures.turns import (
     JEFFERY,
     KPA,
     OURS,
@@ -22,6 +19,8 @@ from fibermelt.report.kit.turns import (
     plain,
     read_turn,
 )
+from fibermelt.report.kit.plates import plate
+from fibermelt.report.kit.style import COLUMN, Words, add_axes, letter, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,10 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fibermelt.report.kit.plates import plate
-from fibermelt.report.kit.style import INK, Words, add_axes, new_figure
-from fibermelt.report.kit.turns import (
-    COLUMN,
+from fibermelt.paper.orbits.figures.turns import (
     KPA,
     angle_scale,
     cell_name,
@@ -22,6 +19,8 @@ from fibermelt.report.kit.turns import (
     read_turn,
     swept,
 )
+from fibermelt.report.kit.plates import plate
+from fibermelt.report.kit.style import COLUMN, INK, Words, add_axes, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -35,6 +35,7 @@ from fibermelt.report.kit.style import (
     GREY,
     INK,
     Array,
+    Roomy,
     Words,
     add_axes,
     color_bar,
@@ -43,7 +44,6 @@ from fibermelt.report.kit.style import (
     new_figure,
 )
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import Roomy
 
 if TYPE_CHECKING:
     import xarray as xr
