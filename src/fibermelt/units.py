@@ -18,7 +18,15 @@ from fibermelt.errors import LONGEST, ConfigError, legible
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["ZERO_CELSIUS", "celsius_meant", "in_celsius", "parse", "parse_difference", "shown"]
+__all__ = [
+    "ZERO_CELSIUS",
+    "celsius_meant",
+    "in_celsius",
+    "parse",
+    "parse_difference",
+    "parse_plane",
+    "shown",
+]
 
 _QUANTITY = re.compile(
     r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
@@ -26,6 +34,7 @@ _QUANTITY = re.compile(
     re.DOTALL,
 )
 _UNIT = re.compile(r"(?:1?\s*+/)?(?:[\s*/()]|[A-Za-z%µμ]++(?:\^?[+-]?\d)?)*+")
+_PLANE = re.compile(r"\s*([xyz])\s*(?:=\s*(\S.*?)\s*)?")
 _SEPARATED = re.compile(r"[,_]\d")
 _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
@@ -190,6 +199,27 @@ def parse(value: object, unit: str) -> float:
         msg = "is not finite"
         raise ConfigError(msg)
     return number
+
+
+def parse_plane(text: str) -> tuple[int, float]:
+    """Return the axis (0, 1 or 2) and the place on it [m] of a plane across x, y or z.
+
+    Parameters
+    ----------
+    text : str
+        ``"y = 2 mm"``; ``"y"`` alone for ``y = 0``.
+
+    Raises
+    ------
+    ConfigError
+        If it is none; without the key, as of `parse`.
+    """
+    match = _PLANE.fullmatch(text)
+    if match is None:
+        msg = 'must be "x", "y" or "z", or such as "y = 2 mm"'
+        raise ConfigError(msg)
+    axis, place = match.groups()
+    return "xyz".index(axis), parse(place, "m") if place else 0.0
 
 
 def celsius_meant(value: float, unit: str) -> str:

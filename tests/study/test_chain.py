@@ -193,6 +193,14 @@ def test_a_table_that_no_part_reads_is_told(tmp_path):
     )
     assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
     assert CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1"])) == []
+    path.write_text(
+        'study.parts = ["orbits"]\n[flow]\ngap = "2 mm"\n[streamlines]\ncount = 7\n'
+        '[voids]\nmoisture = "0.1 %"\n'
+    )
+    bead, voids = CHAIN.unread(load_study(str(path)))
+    assert bead.startswith("[flow] and [streamlines] are read by no part of this study")
+    assert bead.endswith('"bead" reads them: name that too, or leave them away')
+    assert voids.startswith("[voids] is read by")
     path.write_text(defaults_toml(Config))
     assert CHAIN.unread(load_study(str(path))) == []
 

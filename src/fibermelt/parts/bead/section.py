@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FIBERS", "FLOW", "numbers"]
 
-FIBERS = Section("fibers", "Fibers along the streamlines", place=40)
+FIBERS = Section(
+    "fibers", "Fibers along the streamlines", place=40, of_paths="Fibers along the paths"
+)
 
 FLOW = (
     ("Bead height", "bead_height", MM, "mm"),
@@ -121,7 +123,8 @@ def _lowest(summary: Mapping[str, Any], locations: Sequence[int]) -> Table:
         for item in summary["extremes"]
         if item["kind"] == "min"
     }
-    columns = [Column("Streamline", is_text=True), Column("Transit", "s")]
+    word = "streamline" if "bead_height" in summary["flow"] else "path"
+    columns = [Column(word.capitalize(), is_text=True), Column("Transit", "s")]
     for location in locations:
         columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
     rows = []
@@ -146,4 +149,4 @@ def _lowest(summary: Mapping[str, Any], locations: Sequence[int]) -> Table:
                 for pressure in (item["mean"], min(item["bounds"]))
             ]
         rows.append(cells)
-    return Table("Lowest pressure by streamline", columns, rows)
+    return Table(f"Lowest pressure by {word}", columns, rows)

@@ -27,6 +27,7 @@ __all__ = [
     "cell_estimates",
     "cell_stage",
     "domain_size",
+    "foresee_motion",
     "motion_estimates",
     "motion_stage",
     "stored_model",
@@ -257,6 +258,12 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 
     arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
+
+
+def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
+    """Refuse fibers that are known in a plane only as soon as a field is known to be in space."""
+    if name == "field" and str(data["field_geometry"].item()) == "spatial":
+        _refuse_in_plane(parameters)
 
 
 def _refuse_in_plane(parameters: Parameters) -> None:

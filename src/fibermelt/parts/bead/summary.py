@@ -261,7 +261,7 @@ def _orientation(results: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the spread of the fibers' directions at each zone.
+    """Return the spread of the fibers' directions at each zone that their path reaches.
 
     A fiber has no head: its angle is known up to half turns. Each is taken within a quarter
     turn of the mean director ``arg(mean exp(2 i theta)) / 2``, where their mean makes sense.
@@ -280,6 +280,7 @@ def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
             "highest": float(near[k, z].max()),
         }
         for k, z in np.ndindex(near.shape[:2])
+        if np.isfinite(near[k, z]).all()
     ]
 
 
@@ -302,6 +303,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
         *_in_its_melt(cell),
     ]
+    word = "streamline" if "bead_height" in flow else "path"
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
     for location, place in PLACES.items():
         found = [
@@ -317,9 +319,11 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         lowest = -worst["lowest"] / 1e6
         lines.append(
             f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
-            f"streamline {worst['streamline']}"
+            f"{word} {worst['streamline']}"
         )
-    return lines + _left_out(flagged, of=len(summary["streamlines"])) + _long(summary)
+    return (
+        lines + _left_out(flagged, of=len(summary["streamlines"]), word=word) + _long(summary, word)
+    )
 
 
 def _bead(flow: Mapping[str, Any]) -> list[str]:
@@ -361,7 +365,7 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _long(summary: Mapping[str, Any]) -> list[str]:
+def _long(summary: Mapping[str, Any], word: str) -> list[str]:
     """Return the line on fibers that are long beside what the gradient changes over."""
     flagged = [line["near_singularity"] for line in summary["streamlines"]]
     found = [
@@ -376,21 +380,21 @@ def _long(summary: Mapping[str, Any]) -> list[str]:
     which += ", ..." if found[MOST_NAMED:] else ""
     return [
         f"fiber's length  {worst['fiber_scale']:.2g} of that over which the gradient changes on "
-        f"streamline {worst['index']}; above {LONGEST_FIBER:g} on {which}: what a fiber feels "
+        f"{word} {worst['index']}; above {LONGEST_FIBER:g} on {which}: what a fiber feels "
         "there is only roughly that of its middle"
     ]
 
 
-def _left_out(flagged: Sequence[int], of: int) -> list[str]:
-    """Return the line on streamlines whose lowest pressure has no limit as the mesh is refined."""
+def _left_out(flagged: Sequence[int], of: int, word: str) -> list[str]:
+    """Return the line on those whose lowest pressure has no limit as the mesh is refined."""
     if not flagged:
         return []
     if len(flagged) == of:
-        return ["lowest pressure not told: every streamline passes a singular corner"]
+        return [f"lowest pressure not told: every {word} passes a singular corner"]
     if len(flagged) == 1:
-        return [f"                streamline {flagged[0]} passes a singular corner and is left out"]
+        return [f"                {word} {flagged[0]} passes a singular corner and is left out"]
     which = ", ".join(map(str, flagged[:MOST_NAMED])) + (", ..." if flagged[MOST_NAMED:] else "")
     return [
-        f"                streamlines {which} pass a singular corner and are left out "
+        f"                {word}s {which} pass a singular corner and are left out "
         f"({len(flagged)} of {of})"
     ]

@@ -89,7 +89,7 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
     "gradient_error": (_PATH, "1/s", "estimated error of the gradient along the streamline"),
     "stream_function_drift": ("streamline", "1", "drift of the stream function over the flux"),
     "near_singularity": ("streamline", "1", "whether it passes close by a singular corner"),
-    "zone_time": ("streamline zone", "s", "time at which the zone is reached"),
+    "zone_time": ("streamline zone", "s", "time at which the zone is reached; NaN if never"),
     "middle_time": ("streamline", "s", "time at the middle of the capillary"),
     "temperature": (_PATH, "K", "temperature of the melt"),
     "path_end": ("streamline", "1", "why the path ends: outlet, wall, stagnation, time or file"),

@@ -14,7 +14,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from fibermelt.parts.flow.figures.along import MARKS
 from fibermelt.parts.flow.figures.carpet import weave
-from fibermelt.parts.flow.figures.lines import Feature, features
+from fibermelt.parts.flow.figures.lines import Feature, features, line_word
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.drawing import (
@@ -248,9 +249,9 @@ def _heights(axes: Axes, results: xr.Dataset) -> None:
 
 def history_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text."""
-    along = component_along(results)
+    along, word = component_along(results), line_word(results)
     told = "; ".join(
-        f"on streamline {f.number} it reaches {along[f.row].max():.2f} and ends at "
+        f"on {word} {f.number} it reaches {along[f.row].max():.2f} and ends at "
         f"{along[f.row, -1]:.2f}"
         for f in features(results)
     )
@@ -259,15 +260,18 @@ def history_words(results: xr.Dataset) -> Words:
         panels = "Three"
         error = float(results["closure_error"].max())
         follows = f" The closure follows the distribution to within {error:.3f}."
+    marks = "; marks: zones" if "zone_time" in results else ""
+    course = "rises on the way to the capillary and falls where the melt turns"
+    if is_given(results):
+        course = "over the whole way"
     return Words(
         caption=(
-            f"Orientation along the marked streamlines: {_model(results)}. (a) Component along the "
-            "streamline, (b) across the plane of the flow; dotted: isotropic; marks: zones 1 to 3."
-            f"{_judged(results)}"
+            f"Orientation along the marked {word}s: {_model(results)}. (a) Component along the "
+            f"{word}, (b) along z; dotted: isotropic{marks}.{_judged(results)}"
         ),
         alt=(
-            f"{panels} panels of curves over time. The component along the streamline rises on the "
-            f"way to the capillary and falls where the melt turns: {told}.{follows}"
+            f"{panels} panels of curves over time. The component along the {word} {course}: "
+            f"{told}.{follows}"
         ),
     )
 
@@ -280,11 +284,11 @@ def _judged(results: xr.Dataset) -> str:
     time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
     worst = int(np.argmax(error))
     return (
-        f" (c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
-        "and the distribution itself (dashed, Fokker-Planck, in error by up to "
+        f" (c) Along {line_word(results)} {int(results['closure_streamline'])}, the closure "
+        "(coloured) and the distribution itself (dashed, Fokker-Planck, in error by up to "
         f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
         f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
-        f"{error[-1]:.3f} in the finished bead."
+        f"{error[-1]:.3f} {'at its end' if is_given(results) else 'in the finished bead'}."
     )
 
 
@@ -293,7 +297,7 @@ def _judged(results: xr.Dataset) -> str:
     "Orientation along streamlines",
     section="tensors",
     words=history_words,
-    needs="orientation zone_time",
+    needs="orientation",
     place=2,
 )
 def figure_tensor_history(results: xr.Dataset) -> Figure:
@@ -308,12 +312,14 @@ def figure_tensor_history(results: xr.Dataset) -> Figure:
     _along(first, results, component_along(results))
     _along(second, results, tensors(results)[..., 2, 2])
     told = [
-        ("along the streamline", "a  component along the streamline"),
+        (f"along the {line_word(results)}", f"a  component along the {line_word(results)}"),
         ("$a_{zz}$", "b  component across the plane of the flow"),
     ]
     if is_judged:
         _closures(panels[2], results)
-        told.append(("component", f"c  streamline {_number(results)}: closure and distribution"))
+        told.append(
+            ("component", f"c  {line_word(results)} {_number(results)}: closure and distribution")
+        )
     for axes, (name, text) in zip(panels, told, strict=True):
         axes.set_xlim(0.0, end)
         axes.set_ylim(0.0, 1.0)
@@ -338,17 +344,20 @@ def _along(axes: Axes, results: xr.Dataset, values: Array) -> None:
     """Draw values along the marked streamlines, with their zones."""
     for feature in features(results):
         time = results["time"].to_numpy()[feature.row]
-        label = f"streamline {feature.number}"
+        label = f"{line_word(results)} {feature.number}"
         axes.plot(time, values[feature.row], color=feature.color, linewidth=1.4, label=label)
-        _zones(axes, results, feature, values[feature.row])
+        if "zone_time" in results:
+            _zones(axes, results, feature, values[feature.row])
     axes.axhline(1 / 3, color=GREY, linewidth=0.7, linestyle=(0, (1, 1.5)))
 
 
 def _zones(axes: Axes, results: xr.Dataset, feature: Feature, values: Array) -> None:
     time, zones = (results[n].to_numpy()[feature.row] for n in ("time", "zone_time"))
-    for when, mark in zip(zones, MARKS, strict=True):
+    for when, zone in zip(zones, results["zone"].to_numpy(), strict=True):
         value = np.interp(when, time, values)
-        axes.plot(when, value, mark, mfc="white", mec=feature.color, markersize=4.5, zorder=3)
+        axes.plot(
+            when, value, MARKS[zone - 1], mfc="white", mec=feature.color, markersize=4.5, zorder=3
+        )
 
 
 def _closures(axes: Axes, results: xr.Dataset) -> None:

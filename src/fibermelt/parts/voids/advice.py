@@ -33,7 +33,8 @@ def advice(found: Mapping[str, Any]) -> str:
         What summary.json has under ``"voids"``.
     """
     if found["lowest_pressure"] is None:
-        return "Not told: every streamline passes a singular corner; follow more of them."
+        word = "streamline" if found["profile"] else "path"
+        return f"Not told: every {word} passes a singular corner; follow more of them."
     critical, lowest = _worst_fiber(found)
     if critical is None:
         return "Nothing: no moisture that the polymer can hold starts a void."

@@ -156,8 +156,9 @@ def _profile(found: Mapping[str, Any]) -> Table:
 def _lines(found: Mapping[str, Any]) -> Table:
     lines = found["streamlines"]
     heights = ("height",) if found["profile"] else ()
+    word = "streamline" if found["profile"] else "path"
     columns = (
-        Column("Streamline", is_text=True),
+        Column(word.capitalize(), is_text=True),
         *(Column(f"{name.capitalize()} in the bead", "mm") for name in heights),
         Column("Lowest", "MPa"),
         Column("at x", "mm"),
@@ -185,7 +186,7 @@ def _lines(found: Mapping[str, Any]) -> Table:
         )
         for line in lines
     ]
-    caption = "Each streamline, any direction of a fiber; * passes close to a singular corner"
+    caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
     return Table(caption, columns, rows)
 
 

@@ -18,10 +18,10 @@ __all__ = ["BESIDE", "summarize_voids", "voids_in_words", "worst_line"]
 BASIS = "bounds"
 """Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
 
-OF_A_BEAD = "zone_time"
-"""A variable that only results of a flow that was solved here have: others have no bed."""
+OF_A_BEAD = "void_layer"
+"""A variable that only voids of a flow that was solved here have: others have no bed."""
 
-BESIDE = ("streamline", "near_singularity", OF_A_BEAD)
+BESIDE = ("streamline", "near_singularity")
 """What is read beside the variables of voids, where the results have it."""
 
 _ON_LINE = (
@@ -109,16 +109,16 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
     told = results.sel(void_basis=BASIS)
     arrays = {
         name: told[f"void_{name}"].to_numpy()
-        for name in (*_ON_LINE, "height", "lowest_x", "lowest_y", "moisture_limit")
+        for name in (*_ON_LINE, "lowest_x", "lowest_y", "moisture_limit")
     }
-    is_bead = OF_A_BEAD in results
+    height = told["void_height"].to_numpy() if OF_A_BEAD in results else None
     z = told["void_lowest_z"].to_numpy() if "void_lowest_z" in told else None
     lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
             "near_singularity": bool(results["near_singularity"][k]),
-            **({"height": float(arrays["height"][k])} if is_bead else {}),
+            **({} if height is None else {"height": float(height[k])}),
             **{name: or_none(arrays[name][k]) for name in _ON_LINE},
             "critical_moisture": or_none(arrays["moisture_limit"][k]),
             "x": float(arrays["lowest_x"][k]),
@@ -179,7 +179,8 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     ]
     worst = worst_line(voids)
     if worst is None:
-        lines.append("lowest local    not told: every streamline passes a singular corner")
+        word = "streamline" if voids["profile"] else "path"
+        lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
     lines.append(f"what to do      {advice(voids)}")
@@ -204,10 +205,12 @@ def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     def height(of: Mapping[str, Any]) -> str:
         return rounded(1e3 * of["height"], highest)
 
-    ends = f", which ends {height(worst)} mm up in the bead" if voids["profile"] else ""
+    where = f"path {worst['index']}"
+    if voids["profile"]:
+        where = f"streamline {worst['index']}, which ends {height(worst)} mm up in the bead"
     lines = [
         f"lowest local    {_mpa(worst['lowest_pressure'])} MPa absolute on a fiber in its "
-        f"worst direction, on streamline {worst['index']}{ends}",
+        f"worst direction, on {where}",
     ]
     if (in_space := voids["by_basis"].get("spheroid")) is not None:
         lowest = _mpa(in_space["lowest_pressure"])

@@ -33,6 +33,8 @@ class Section:
     needs : str
         A variable of the results, or a key of the summary, without which it has no words; empty
         if they need none.
+    of_paths : str
+        Its heading where fibers follow the paths of a flow from elsewhere; empty if it is the same.
     content : callable, optional
         From results and summary to what its template is filled with; without it, it holds figures
         only.
@@ -44,6 +46,7 @@ class Section:
     title: str
     place: float
     needs: str = ""
+    of_paths: str = ""
     content: Content | None = None
     template: str = ""
 
@@ -56,7 +59,7 @@ class Section:
 
 
 def section(
-    name: str, title: str, *, place: float, needs: str = ""
+    name: str, title: str, *, place: float, needs: str = "", of_paths: str = ""
 ) -> Callable[[Content], Section]:
     """Make a section of the function that fills its template, ``name.html.j2`` beside it.
 
@@ -64,13 +67,13 @@ def section(
 
     Parameters
     ----------
-    name, title, place, needs
+    name, title, place, needs, of_paths
         As in `Section`.
     """
 
     def made(content: Content) -> Section:
         folder = content.__module__.split(".")[1:-1]
         template = "/".join([*folder, f"{name}.html.j2"])
-        return Section(name, title, place, needs, content, template)
+        return Section(name, title, place, needs, of_paths, content, template)
 
     return made

@@ -61,7 +61,9 @@ def render(
             "title": title_of(results),
             "answer": answer(results, summary),
             "what_was_run": what_was_run(results),
-            "bead": Markup(bead_data(results)) if NEEDS in results else None,  # escaped there
+            "bead": Markup(bead_data(results))
+            if NEEDS.issubset(results)
+            else None,  # escaped there
             "opening": next((one for one in sections if one.section is OPENING), None),
             "sections": [one for one in sections if one.section is not OPENING],
             "style": Markup(text_of("report/page/style.css")),

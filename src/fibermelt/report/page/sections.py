@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.report.kit.sections import Section
 from fibermelt.report.page.endmatter import ENDMATTER
 from fibermelt.report.page.found import found
@@ -37,6 +38,8 @@ class Filled:
     ----------
     section : Section
         Which one.
+    title : str
+        Its heading.
     words : Markup
         Its words, empty if it has figures only.
     figures : tuple of Embedded
@@ -44,6 +47,7 @@ class Filled:
     """
 
     section: Section
+    title: str
     words: Markup
     figures: tuple[Embedded, ...] = ()
 
@@ -64,6 +68,7 @@ def filled(
     told = [
         Filled(
             section,
+            (is_given(results) and section.of_paths) or section.title,
             section.words(results, summary),
             tuple(figure for figure in every if figure.section == section.name),
         )

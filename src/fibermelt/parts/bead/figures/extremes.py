@@ -70,7 +70,7 @@ def extremes_words(results: xr.Dataset) -> Words:
     "Extremes of pressure by streamline",
     section="fibers",
     words=extremes_words,
-    needs="extreme zone_time",
+    needs="extreme node_x",
     paper="Fig. 18",
 )
 def figure_extremes(results: xr.Dataset) -> Figure:

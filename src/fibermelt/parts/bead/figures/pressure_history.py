@@ -146,7 +146,7 @@ def history_words(results: xr.Dataset) -> Words:
     "Pressure on a fiber along a streamline",
     section="fibers",
     words=history_words,
-    needs="extreme zone_time",
+    needs="extreme node_x",
     paper="Fig. 16",
 )
 def figure_history(results: xr.Dataset) -> Figure:

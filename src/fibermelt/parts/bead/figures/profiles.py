@@ -125,7 +125,7 @@ def profiles_words(results: xr.Dataset) -> Words:
     "Pressure and orientation over time",
     section="fibers",
     words=profiles_words,
-    needs="extreme zone_time",
+    needs="extreme node_x",
     paper="Fig. 17",
 )
 def figure_profiles(results: xr.Dataset) -> Figure:
