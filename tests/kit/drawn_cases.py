@@ -64,12 +64,21 @@ def _thinning() -> xr.Dataset:
     return bead.merge(law).assign_attrs(config=config + rest[1] + rest[2])
 
 
-def _from_elsewhere(**more: xr.Variable) -> xr.Dataset:
-    """Return fibers along paths of a flow that was not solved here, which have no stations."""
+def _with_stations() -> xr.Dataset:
+    """Return fibers along paths of a flow that was not solved here, through a nozzle."""
     bead = made_up(count=6)
-    nozzle = ("node_", "zone", "middle_", "downstream_", "upstream_", "cell_nodes", "void_")
-    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith(nozzle)])
-    return bare.isel(location=[0]).assign(field_notes="", **more).assign_attrs(bead.attrs)
+    solved = ("node_", "downstream_", "upstream_", "cell_nodes", "void_")
+    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith(solved)])
+    return bare.assign(field_notes="", path_divergence=("streamline", np.zeros(6)))
+
+
+def _from_elsewhere() -> xr.Dataset:
+    """Return the same of a flow without a nozzle, whose paths have no stations."""
+    whole = _with_stations()
+    bare = whole.drop_vars(
+        [name for name in whole.variables if str(name).startswith(("zone", "middle_"))]
+    )
+    return bare.isel(location=[0]).assign_coords(location=[0])
 
 
 def _in_space() -> xr.Dataset:
@@ -112,6 +121,7 @@ CASES: dict[str, Callable[[], xr.Dataset]] = {
     "marked side by side": lambda: _marked(9, 10, 11),
     "a melt that thins": _thinning,
     "paths from elsewhere": _from_elsewhere,
+    "paths with stations": _with_stations,
     "paths in space": _in_space,
     "turns": lambda: _of_turns((1.0, 6.0, 10.0)),
     "fibers that stall": lambda: _of_turns((1.0, 6.0), domain_size=4.0),
