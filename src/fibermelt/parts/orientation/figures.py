@@ -19,19 +19,15 @@ from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_bed_motion,
-    draw_metal,
-    draw_outline,
-    frame,
     main_scene,
-    mark_window,
+    mark_exit,
     paint,
-    scale_bar,
     scene_axes,
 )
 from fibermelt.report.kit.plates import plate
-from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
+from fibermelt.report.kit.scene import MM, Window, read_scene
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
@@ -163,14 +159,12 @@ def figure_across(results: xr.Dataset) -> Figure:
     gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
     carpet, along, norm = weave(results), component_along(results), Normalize(0.0, 1.0)
     for panel, window in ((axes, scene.whole), (gap, scene.exit)):
-        _bead(panel, scene, window)
+        draw_bead(panel, scene, window)
         if carpet is not None:
             paint(panel, carpet.triangles, carpet.values(along), norm, SEQUENTIAL)
     _ticks(gap, results, scene.exit)
     draw_bed_motion(axes, results, scene)
-    mark_window(axes, scene.exit)
-    frame(gap)
-    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    mark_exit(axes, gap, scene)
     letter(axes, "a  fibers along the streamlines", inside=True)
     letter(gap, "b  the same; bars: preferred directions (dashed frame)")
     top = room.bottom + room.fit(scene.exit)
@@ -182,12 +176,6 @@ def figure_across(results: xr.Dataset) -> Figure:
     _shares(shares, results)
     _turned(turned, results)
     return figure
-
-
-def _bead(axes: Axes, scene: Scene, window: Window) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
 
 
 def _ticks(axes: Axes, results: xr.Dataset, window: Window) -> None:

@@ -11,17 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fibermelt.parts.flow.figures.carpet import Carpet, weave
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_metal,
-    draw_outline,
-    frame,
-    main_scene,
-    mark_window,
-    paint,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, main_scene, mark_exit, paint, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
@@ -123,9 +113,7 @@ def figure_voids(results: xr.Dataset) -> Figure:
     for panel, window, basis in ((axes, scene.whole, "bounds"), (gap, scene.exit, MEDIAN)):
         margin = MPA * _of(results, "void_margin_along", basis)
         _map(panel, scene, window, carpet, margin, norm)
-    mark_window(axes, scene.exit)
-    frame(gap)
-    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    mark_exit(axes, gap, scene)
     letter(axes, "a  worst direction of a fiber", inside=True)
     letter(gap, "b  half of the fibers from an isotropic start see less (dashed frame)")
     bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
@@ -144,9 +132,7 @@ def _map(
     axes: Axes, scene: Scene, window: Window, carpet: Carpet | None, margin: Array, norm: Normalize
 ) -> None:
     """Paint a margin [MPa] between the streamlines, with a line where it vanishes."""
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     if carpet is None:
         return
     values = carpet.values(margin)

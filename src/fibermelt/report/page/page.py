@@ -54,13 +54,15 @@ def render(
     StoreError
         If the results hold no study that this fibermelt reads.
     """
+    # First, as it refuses results without a study.
+    run = what_was_run(results)
     sections = filled(results, summary, embed_figures(results, drawn))
     page = rendered(
         "report/page/page.html.j2",
         {
             "title": title_of(results),
             "answer": answer(results, summary),
-            "what_was_run": what_was_run(results),
+            "what_was_run": run,
             "bead": Markup(bead_data(results))
             if NEEDS.issubset(results)
             else None,  # escaped there

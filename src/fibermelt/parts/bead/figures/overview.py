@@ -14,16 +14,12 @@ from fibermelt.parts.bead.figures.spread import draw_spread, spread_key
 from fibermelt.parts.flow.figures.carpet import weave
 from fibermelt.parts.flow.figures.lines import features, regular
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_bed_motion,
-    draw_metal,
-    draw_outline,
-    frame,
     main_scene,
-    mark_window,
+    mark_exit,
     on_paper,
     paint,
-    scale_bar,
     scene_axes,
     spread_out,
 )
@@ -117,9 +113,7 @@ def figure_overview(results: xr.Dataset) -> Figure:
             paint(panel, carpet.triangles, carpet.values(values), norm, ATMOSPHERE)
     draw_bed_motion(axes, results, scene)
     _numbers(axes, results)
-    mark_window(axes, scene.exit)
-    frame(gap)
-    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    mark_exit(axes, gap, scene)
     share = 100 * float(results["quantile"][0])
     letter(axes, "a  worst orientation of a fiber", inside=True)
     letter(gap, f"b  {share:.0f} % of fibers from an isotropic start see less (dashed frame)")
@@ -142,9 +136,7 @@ def figure_overview(results: xr.Dataset) -> Figure:
 
 def _bead(axes: Axes, results: xr.Dataset, scene: Scene, window: Window) -> None:
     """Draw the bead, with the marked streamlines as thin lines."""
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     for feature in features(results):
         line = (MM * results[name].to_numpy()[feature.row] for name in "xy")
         axes.plot(*line, color=FIBERS, linewidth=0.4, zorder=2)

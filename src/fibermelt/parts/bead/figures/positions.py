@@ -15,14 +15,7 @@ from fibermelt.parts.bead.figures.extremes import EXTREMES
 from fibermelt.parts.bead.figures.spread import extreme_of, spread_limits
 from fibermelt.parts.flow.figures.lines import against_paper, at_corners, initial_angles, regular
 from fibermelt.parts.flow.figures.streamlines import draw_zones
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_metal,
-    draw_outline,
-    frame,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, frame, scale_bar, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
@@ -123,9 +116,7 @@ def figure_positions(results: xr.Dataset) -> Figure:
     norm = Normalize(0.0, most)
     for k, (name, location, kind) in enumerate(EXTREMES):
         axes = scene_axes(figure, 1.0 + k * (wide + BETWEEN), FOOT, wide, window)
-        draw_metal(axes, scene)
-        draw_bed(axes, window)
-        draw_outline(axes, scene, fill=True)
+        draw_bead(axes, scene, window)
         draw_zones(axes, results)
         _places(axes, results, location, kind, norm)
         frame(axes)

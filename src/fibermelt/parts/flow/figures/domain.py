@@ -9,10 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_mesh,
-    draw_metal,
-    draw_outline,
     frame,
     main_scene,
     mark_window,
@@ -106,9 +104,7 @@ def figure_domain(results: xr.Dataset) -> Figure:
 
 
 def _paint(axes: Axes, scene: Scene, window: Window, linewidth: float) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     draw_mesh(axes, scene, window, MESH, linewidth)
 
 

@@ -10,15 +10,7 @@ from matplotlib.collections import TriMesh
 from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_field,
-    draw_metal,
-    draw_outline,
-    frame,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, draw_field, frame, scale_bar, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, by_area, read_scene
 from fibermelt.report.kit.style import (
@@ -68,9 +60,7 @@ GRADIENTS = (
 def _map(
     axes: Axes, scene: Scene, window: Window, values: Array, norm: Normalize, cmap: str
 ) -> TriMesh:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene)
+    draw_bead(axes, scene, window, fill=False)
     frame(axes)
     return draw_field(axes, scene, window, values, norm, cmap)
 

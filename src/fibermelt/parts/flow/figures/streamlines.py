@@ -11,10 +11,8 @@ from matplotlib.lines import Line2D
 
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, at_time, features, named, rest
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_bed_motion,
-    draw_metal,
-    draw_outline,
     frame,
     main_scene,
     mark_window,
@@ -129,9 +127,7 @@ def _key(results: xr.Dataset) -> list[Line2D]:
 
 
 def _paint(axes: Axes, scene: Scene, window: Window, results: xr.Dataset) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     x, y = MM * results["x"].to_numpy(), MM * results["y"].to_numpy()
     for row in rest(results):
         axes.plot(x[row], y[row], color=GREY, linewidth=0.5, zorder=1.5)
