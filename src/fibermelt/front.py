@@ -21,11 +21,11 @@ from fibermelt.engine.loading import Study
 from fibermelt.engine.named import named
 from fibermelt.engine.outputs import has_run
 from fibermelt.engine.progress import Observer, observing
+from fibermelt.engine.results import study_of
 from fibermelt.engine.runner import run_study as run_into
 from fibermelt.engine.runner import summarize
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import ConfigError, legible
-from fibermelt.parts.variables import study_of
 from fibermelt.report.page import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study, resolve

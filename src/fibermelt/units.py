@@ -1,7 +1,7 @@
 """Units at the door: ``"24 mm/s"`` becomes 0.024, and everything inside is an SI float.
 
-This is the only module that knows anything but SI. It is imported by the configuration and the
-command line; pint is loaded when the first quantity with a unit is read.
+This is the only module that knows anything but SI: what is read is parsed here, and what is shown
+takes its factors from here. pint is loaded when the first quantity with a unit is read.
 """
 
 from __future__ import annotations
@@ -19,6 +19,15 @@ if TYPE_CHECKING:
     from pint import UnitRegistry
 
 __all__ = [
+    "DEGREES",
+    "KPA",
+    "MM",
+    "MPA",
+    "MS",
+    "NM",
+    "PERCENT",
+    "SHOWN",
+    "UM",
     "ZERO_CELSIUS",
     "celsius_meant",
     "in_celsius",
@@ -52,6 +61,27 @@ _SIGNS = {"℃": "degC", "°C": "degC", "°": "deg", "%": "percent"}
 
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
+
+MM, UM, NM, MS = 1e3, 1e6, 1e9, 1e3
+"""Millimetres, micrometres and nanometres in a metre, milliseconds in a second."""
+
+KPA, MPA = 1e-3, 1e-6
+"""Kilopascals and megapascals in a pascal."""
+
+PERCENT, DEGREES = 100.0, 180.0 / math.pi
+"""Hundredths in one, degrees in a radian."""
+
+SHOWN = {
+    "mm": MM,
+    "µm": UM,
+    "nm": NM,
+    "ms": MS,
+    "kPa": KPA,
+    "MPa": MPA,
+    "%": PERCENT,
+    "°": DEGREES,
+}
+"""Units that results are shown in: how many of each are one of its SI unit."""
 
 ZERO_CELSIUS = 273.15
 """0 degC [K]."""

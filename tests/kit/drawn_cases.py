@@ -11,8 +11,9 @@ from drawn_bead import made_up
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.parts.thinning.stages import CAUSES
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 
 __all__ = ["CASES", "INDICES", "MODELS", "case", "effects"]
 
@@ -43,7 +44,8 @@ def effects() -> xr.Dataset:
             "effect_stall_angle": np.where(of_fibers == 1.0, 0.1, np.nan),
             "effect_peak": 10.0 * of_fibers,
             "effect_peak_error": 0.01 * (1.0 - numbers)[:, None] * [1.0, 1.0],
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -58,7 +60,7 @@ def _thinning() -> xr.Dataset:
     """Return a bead of a melt that thins, of which the table around fibers is known."""
     bead = made_up()
     rate = np.logspace(-3, 6, 200)
-    law = labelled({"law_rate": rate, "law_viscosity": 817.0 * rate**-0.5})
+    law = labelled({"law_rate": rate, "law_viscosity": 817.0 * rate**-0.5}, QUANTITIES)
     config = '[melt]\nlaw = "power-law"\nconsistency = 817.0\nindex = 0.5\n'
     rest = bead.attrs["config"].partition("[fiber]")
     return bead.merge(law).assign_attrs(config=config + rest[1] + rest[2])

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import Spheroid, embed_planar, unbounded_spheroid
 from fibermelt.paper.claims.judge import claims, judge, measured
-from fibermelt.paper.claims.quantities import NotStoredError
+from fibermelt.paper.claims.measures import NotStoredError
 from fibermelt.paper.claims.voids import VOIDS
 from fibermelt.parts.melt.cards import load_card
 from fibermelt.parts.voids import section as risk

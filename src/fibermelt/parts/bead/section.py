@@ -3,88 +3,55 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.report.kit.scene import MM, MPA
+from fibermelt.engine.quantities import Quantity, with_error
+from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 from fibermelt.report.kit.sections import Section, section
-from fibermelt.report.kit.tables import QUANTITY, Column, Table, measured, number, sized
+from fibermelt.report.kit.tables import QUANTITY, Column, Table, measured, number, printed, sized
+from fibermelt.units import MPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FIBERS", "FLOW", "numbers"]
+__all__ = ["FIBERS", "numbers"]
 
 FIBERS = Section(
     "fibers", "Fibers along the streamlines", place=40, of_paths="Fibers along the paths"
 )
 
-FLOW = (
-    ("Bead height", "bead_height", MM, "mm"),
-    ("Inlet pressure", "inlet_pressure", MPA, "MPa"),
-    ("Contact point, from the nozzle's axis", "contact_point", MM, "mm"),
-    ("Heel, the melt's foremost point upstream", "heel", MM, "mm"),
-    ("Flux error at the outlet, of the inlet's flux", "mass_imbalance", 1.0, ""),
-    ("Flow through the free surface, in bed speeds", "kinematic_residual", 1.0, ""),
-    ("Newton steps, all meshes together", "newton_steps", 1, ""),
-    ("Unknowns of the flow", "unknowns", 1, ""),
-    ("Triangles of the mesh", "elements", 1, ""),
-)
-"""What is told of the flow: words, name in the summary, factor and unit on the page."""
+CELL = ("aspect_ratio", "domain_size", "shape_factor", "stall_angle", "tip_pressure")
+"""What is told of the fiber."""
 
 
 @section("numbers", "Numbers", place=100, needs="flow")
 def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return the numbers of fibers in the bead, with their units and error estimates."""
-    flow = [
-        (words, _with_error(results, name, summary["flow"][name], factor), unit)
-        for words, name, factor, unit in FLOW
-        if name in summary["flow"]
-    ]
+    flow = [one for name, one in FLOW.items() if name in summary["flow"]]
+    fiber = [FIBER[name] for name in CELL]
+    unknowns = [FIBER["cell_unknowns"]] if summary["cell"]["unknowns"] else []
+    in_its_melt = _in_its_melt(summary["cell"])
+    rows = [*_rows(results, fiber), *in_its_melt, *_rows(results, unknowns)]
     locations = sorted({item["location"] for item in summary["extremes"]})
     return {
-        "flow": Table("The flow, ± estimated error", QUANTITY, flow),
-        "fiber": Table("The fiber, ± estimated error", QUANTITY, _fiber(summary["cell"])),
+        "flow": Table("The flow, ± estimated error", QUANTITY, _rows(results, flow)),
+        "fiber": Table("The fiber, ± estimated error", QUANTITY, rows),
+        "meanings": [(one.title, one.meaning) for one in (*flow, *fiber, *unknowns)],
         "lowest": _lowest(summary, locations),
         "is_divided": any(locations),
     }
 
 
-def _with_error(results: xr.Dataset, name: str, value: float, factor: float) -> str:
-    if isinstance(value, int):
-        return number(value)
-    error = results.get(f"{name}_error")
-    return measured(factor * value, math.nan if error is None else factor * float(error))
-
-
-def _fiber(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    error = cell.get("error_estimate") or {}
-    stall = cell["stall_angle"]
-    tip = cell["tip_pressure"]
-    size = cell["domain_size"]
-    return [
-        ("Aspect ratio", number(cell["aspect_ratio"]), ""),
-        ("Domain-size factor M", "unbounded" if size is None else number(size), ""),
-        ("Shape factor B", _estimated(cell["shape_factor"], error.get("shape_factor")), ""),
-        (
-            "Angle to simple shear at which it stalls",
-            "it tumbles" if stall is None else number(math.degrees(stall)),
-            "" if stall is None else "°",
-        ),
-        (
-            "Largest surface pressure in simple shear",
-            _estimated(
-                tip, None if error.get("tip_pressure") is None else tip * error["tip_pressure"]
-            ),
-            "viscosity × shear rate",
-        ),
-        *_in_its_melt(cell),
-        (
-            "Unknowns of the cell",
-            number(cell["unknowns"]) if cell["unknowns"] else "closed form",
-            "",
-        ),
-    ]
+def _rows(results: xr.Dataset, quantities: Iterable[Quantity]) -> list[tuple[str, str, str]]:
+    """Return quantities of the results as rows: title, value ± error, unit."""
+    rows = []
+    for one in quantities:
+        value, error = with_error(results, one.name, FLOW | FIBER)
+        unit = "" if math.isnan(value) else one.shown_unit
+        rows.append((one.title, printed(one.written(value, error)), unit))
+    return rows
 
 
 def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
@@ -110,10 +77,6 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
             ),
         ]
     return rows[:2] if len(set(ends)) == 1 else rows
-
-
-def _estimated(value: float, error: float | None) -> str:
-    return number(value) if error is None else measured(value, error)
 
 
 def _lowest(summary: Mapping[str, Any], locations: Sequence[int]) -> Table:

@@ -9,11 +9,12 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of, viscosity_of
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -123,7 +124,8 @@ def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> 
             "cell_edge": solution.element_edges,
             "cell_velocity": solution.velocity,
             "cell_pressure": solution.pressure,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -179,7 +181,8 @@ def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say)
             "cell_edge": around.lines,
             "cell_velocity": around.velocity,
             "cell_pressure": around.pressure,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -360,5 +363,6 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "quantile_highest": isotropic.highest,
             "extreme_bounds": extreme_bounds(path, bounds, middle),
             "extreme_quantiles": isotropic.extremes,
-        }
+        },
+        QUANTITIES,
     )

@@ -6,25 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import or_none
+from fibermelt.engine.results import table_of
 from fibermelt.numerals import rounded
 from fibermelt.parts.bead.checks import LONGEST_FIBER
-from fibermelt.parts.variables import or_none, table_of
+from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["bead_in_words", "melt_met", "summarize_bead"]
-
-FLOW_NUMBERS = (
-    "bead_height",
-    "inlet_pressure",
-    "contact_point",
-    "heel",
-    "mass_imbalance",
-    "kinematic_residual",
-)
-FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
-
 
 PLACES = {0: "on the way   ", 1: "in the nozzle", 2: "below it      "}
 """The locations of extremes, in words."""
@@ -69,9 +61,8 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
-    flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS if name in results}
-    flow |= {name: int(results[name]) for name in FLOW_COUNTS if name in results}
-    flow |= melt_met(results)
+    told = [name for name, one in FLOW.items() if one.title and name in results]
+    flow: dict[str, Any] = {name: results[name].item() for name in told} | melt_met(results)
     notes = str(results["field_notes"].item()).split("\n") if "field_notes" in results else []
     return {
         "flow": flow,
@@ -316,9 +307,9 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         if not found:
             continue
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
-        lowest = -worst["lowest"] / 1e6
+        depth = FIBER["extreme"].with_unit(-worst["lowest"], size=worst["lowest"], digits=3)
         lines.append(
-            f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
+            f"lowest {place}  {depth} below the melt's own pressure, on "
             f"{word} {worst['streamline']}"
         )
     return (
@@ -328,12 +319,16 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
 
 def _bead(flow: Mapping[str, Any]) -> list[str]:
     """Return the lines on a bead that was solved for."""
-    height, contact = (flow[name] * 1e3 for name in ("bead_height", "contact_point"))
-    inlet = flow["inlet_pressure"] / 1e6
+    height = flow["bead_height"]
+    lines = (
+        ("bead_height", height, 4, ""),
+        ("inlet_pressure", flow["inlet_pressure"], 3, ""),
+        ("contact_point", height, 4, " from the nozzle's axis"),
+    )
     return [
-        f"bead height     {rounded(height, height, 4)} mm",
-        f"inlet pressure  {rounded(inlet, inlet)} MPa",
-        f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
+        f"{FLOW[name].title.lower():<16}"
+        f"{FLOW[name].with_unit(flow[name], size=size, digits=digits)}{whence}"
+        for name, size, digits, whence in lines
     ]
 
 

@@ -9,12 +9,13 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.flow.given import refuse_changed
 from fibermelt.parts.flow.paths_table import STATIONS
+from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of
-from fibermelt.parts.variables import labelled
 from fibermelt.units import parse_plane
 
 if TYPE_CHECKING:
@@ -70,7 +71,8 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             **{f"field_{name}": getattr(field, name) for name in known},
             "field_geometry": field.geometry,
             "field_notes": "\n".join(field.notes),
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -98,7 +100,7 @@ def paths_of(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
         histories, arrays = _read_histories(parameters, say)
     else:
         histories, arrays = _trace(parameters, inputs, say)
-    return labelled(arrays | stations(parameters, histories, arrays))
+    return labelled(arrays | stations(parameters, histories, arrays), QUANTITIES)
 
 
 def _trace(

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from decimal import ROUND_DOWN, Context
 from typing import Any
 
+from fibermelt.units import PERCENT
 from fibermelt.voids.constants import ATMOSPHERE
 
 __all__ = ["advice"]
-
-PERCENT = 100.0
 
 DIGITS = 2
 """Significant digits of what is advised."""

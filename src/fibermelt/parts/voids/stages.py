@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.melt import CARD, viscosity_of
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.voids.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -73,7 +74,7 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     Returns
     -------
     xarray.Dataset
-        The variables of `fibermelt.parts.voids.variables`.
+        The variables of `fibermelt.parts.voids.quantities`.
     """
     from fibermelt.parts.voids.profile import bead_totals, layer_profile  # noqa: PLC0415  as above
     from fibermelt.voids import ATMOSPHERE, assess  # noqa: PLC0415
@@ -107,7 +108,7 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     if not is_given(lines):  # others have no bed, and no layers over it
         arrays["void_height"] = lines["y"].to_numpy()[:, -1]
         arrays |= layer_profile(arrays, regular, layers)
-    return labelled(arrays | bead_totals(arrays, regular))
+    return labelled(arrays | bead_totals(arrays, regular), QUANTITIES)
 
 
 def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], Array]:

@@ -164,7 +164,7 @@ def responses_told(found: SweepTable) -> Markup:
         "report/sweep/responses.html.j2",
         {
             "spreads": [_spread(found, there), *weighed],
-            "meanings": [(one.title, one.meaning) for one in there if one.meaning],
+            "meanings": [(one.title, one.meaning) for one in there],
             "each": Table("Responses of each case", columns, rows),
         },
     )

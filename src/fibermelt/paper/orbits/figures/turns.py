@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from fibermelt.report.kit.style import BAND, BLUE, INK, VERMILION, Array, shades
+from fibermelt.units import KPA
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,8 +28,6 @@ __all__ = [
     "swept",
 ]
 
-KPA = 1e-3
-"""Kilopascals in a pascal."""
 
 OURS, JEFFERY = VERMILION, BLUE
 """Colours of the fiber in its cell and of the unbounded one, as in the paper's Fig. 8 and 9."""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fibermelt.engine.results import has_conditions_of_paper, study_of
 from fibermelt.parts.flow.imported import is_given
-from fibermelt.parts.variables import has_conditions_of_paper, study_of
 from fibermelt.report.kit.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 
 if TYPE_CHECKING:
