@@ -15,6 +15,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from fibermelt.report.kit.templates import rendered
+
 __all__ = ["USES", "Source", "Use", "read_sources", "sources_of", "written"]
 
 _ENTRY = re.compile(r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<fields>.*?)^\}", re.M | re.S)
@@ -38,6 +40,25 @@ class Source:
     key: str
     fields: Mapping[str, str]
     bibtex: str
+
+    @property
+    def authors(self) -> str:
+        """Return ``Last, First and Last, First`` as ``Last, First; Last, First``."""
+        names = self.fields["author"].split(" and ")
+        if names[-1] == "others":
+            return f"{', '.join(names[:-1])} and others"
+        return "; ".join(names)
+
+    @property
+    def place(self) -> str:
+        """Return where it was published."""
+        fields = self.fields
+        where = fields.get("journal", fields.get("school", ""))
+        if "school" in fields:
+            where = f"dissertation, {where}"
+        place = " ".join(filter(None, [where, fields.get("volume", "")]))
+        pages = fields.get("pages", "").replace("--", "–")
+        return f"{place}, {pages}" if pages else place
 
 
 @dataclass(frozen=True)
@@ -197,26 +218,4 @@ def sources_of(values: Mapping[str, Any]) -> list[tuple[Source, str]]:
 
 def written(source: Source) -> Markup:
     """Return a source as one line of a bibliography, with a link where it has a DOI or arXiv."""
-    fields = source.fields
-    where = fields.get("journal", fields.get("school", ""))
-    if "school" in fields:
-        where = f"dissertation, {where}"
-    place = " ".join(filter(None, [where, fields.get("volume", "")]))
-    if pages := fields.get("pages", "").replace("--", "–"):
-        place += f", {pages}"
-    line = Markup("{} ({}). <cite>{}</cite>. {}.").format(
-        _authors(fields["author"]), fields["year"], fields["title"], place
-    )
-    if doi := fields.get("doi"):
-        line += Markup(' <a href="https://doi.org/{0}">doi:{0}</a>').format(doi)
-    elif eprint := fields.get("eprint"):
-        line += Markup(' <a href="https://arxiv.org/abs/{0}">arXiv:{0}</a>').format(eprint)
-    return line
-
-
-def _authors(text: str) -> str:
-    """Return ``Last, First and Last, First`` as ``Last, First, Last, First and others``."""
-    names = text.split(" and ")
-    if names[-1] == "others":
-        return f"{', '.join(names[:-1])} and others"
-    return "; ".join(names)
+    return rendered("report/page/source.html.j2", {"source": source})

@@ -15,27 +15,19 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from fibermelt.parts.flow.figures.along import MARKS
 from fibermelt.parts.flow.figures.carpet import weave
 from fibermelt.parts.flow.figures.lines import Feature, features, line_word
-from fibermelt.parts.orientation.figures.tensors import (
-    angle_from,
-    closure_row,
-    component_along,
-    tensors,
-)
-from fibermelt.parts.orientation.figures.words import across_words, history_words
+from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.interaction.models import model_in_words
+from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_bed_motion,
-    draw_metal,
-    draw_outline,
-    frame,
     main_scene,
-    mark_window,
+    mark_exit,
     paint,
-    scale_bar,
     scene_axes,
 )
-from fibermelt.report.kit.plates import Plate
-from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
+from fibermelt.report.kit.plates import plate
+from fibermelt.report.kit.scene import MM, Window, read_scene
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
@@ -47,20 +39,18 @@ from fibermelt.report.kit.style import (
     SEQUENTIAL,
     VERMILION,
     Array,
+    Words,
     add_axes,
     color_bar,
     letter,
     new_figure,
-    styled,
 )
+from fibermelt.report.kit.tables import number, sized
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ORIENTATION_FIGURES", "figure_across", "figure_tensor_history"]
-
-TENSOR = "orientation"
-"""A variable that only the stage has whose figures these are."""
+__all__ = ["angle_from", "component_along", "figure_across", "figure_tensor_history"]
 
 CHARTS, SCALE = 62.0, 18.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
@@ -79,7 +69,89 @@ TICKED, APART = 11, 0.055
 """Streamlines with ticks at most, and how far ticks are apart over the window's width."""
 
 
-@styled
+def tensors(results: xr.Dataset) -> Array:
+    """Return the orientation tensor along the streamlines, (streamline, point, 3, 3)."""
+    order = ("streamline", "point", "axis", "other_axis")
+    found: Array = results["orientation"].transpose(*order).to_numpy()
+    return found
+
+
+def component_along(results: xr.Dataset) -> Array:
+    """Return ``s.a.s`` along the streamlines, ``s`` their direction, (streamline, point)."""
+    velocity = np.stack([results[name].to_numpy() for name in "uv"], axis=-1)
+    s = velocity / np.linalg.norm(velocity, axis=-1, keepdims=True)
+    plane = tensors(results)[..., :2, :2]
+    found: Array = np.einsum("...i,...ij,...j->...", s, plane, s)
+    return found
+
+
+def angle_from(a: Array) -> Array:
+    """Return the preferred direction in the plane from the x axis [rad], (...).
+
+    ``arctan2(2 a_xy, a_xx - a_yy)/2`` (the paper's Eq. 31), in (-pi/2, pi/2].
+    """
+    angle: Array = 0.5 * np.arctan2(2.0 * a[..., 0, 1], a[..., 0, 0] - a[..., 1, 1])
+    return angle
+
+
+def closure_row(results: xr.Dataset) -> int:
+    """Return the row of the streamline along which the closure is judged."""
+    number = int(results["closure_streamline"])
+    return int(np.flatnonzero(results["streamline"].to_numpy() == number)[0])
+
+
+def across_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    a = tensors(results)[:, -1]
+    angle = np.degrees(angle_from(a))
+    height = MM * results["y"].to_numpy()[:, -1]
+    low, high = int(np.argmin(height)), int(np.argmax(height))
+    lowest, highest = (sized(height[row], height[high]) for row in (low, high))
+    ranges = ", ".join(
+        f"a_{name}{name} {a[:, k, k].min():.2f} to {a[:, k, k].max():.2f}"
+        for k, name in enumerate("xyz")
+    )
+    return Words(
+        caption=(
+            f"Orientation of the fibers: {_model(results)}. (a), (b) Component of the orientation "
+            "tensor along the streamline; bars lie along the preferred direction in the plane and "
+            "are as long as its two eigenvalues in the plane differ. (c) Diagonal of the tensor "
+            "and (d) preferred direction from the bed's motion, counter-clockwise, at the outlet, "
+            "one mark for each streamline; dotted: isotropic, and along the bed. Blank in the "
+            "maps: beyond the outermost streamlines."
+        ),
+        alt=(
+            "Two maps and two charts. Fibers line up with the flow on the way to the capillary "
+            f"and turn with it onto the bed. In the finished bead the tensor has {ranges}. On the "
+            f"lowest streamline, {lowest} mm high, a_xx is {a[low, 0, 0]:.2f} and the "
+            f"preferred direction {angle[low]:.1f}°; on the highest, at {highest} mm, "
+            f"{a[high, 0, 0]:.2f} and {angle[high]:.1f}°."
+        ),
+    )
+
+
+def _model(results: xr.Dataset) -> str:
+    """Return what was integrated."""
+    text = (
+        f"{model_in_words(*stored_model(results))}, closure {results['orientation_closure'].item()}"
+    )
+    if "orientation_convention" in results:
+        text += f", {results['orientation_convention'].item()} convention"
+    text += f", the error of the integration up to {float(results['orientation_error'].max()):.0e}"
+    violation = float(results["orientation_violation"].max())
+    if violation > 0.0:
+        text += f"; eigenvalues leave [0, 1] by up to {violation:.1e}, as closures may"
+    return text
+
+
+@plate(
+    "orientation",
+    "Orientation across the bead",
+    section="tensors",
+    words=across_words,
+    needs="orientation node_x",
+    place=1,
+)
 def figure_across(results: xr.Dataset) -> Figure:
     """Draw the share of fibers along the streamlines, preferred directions, and the bead's end."""
     scene = read_scene(results)
@@ -87,14 +159,12 @@ def figure_across(results: xr.Dataset) -> Figure:
     gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
     carpet, along, norm = weave(results), component_along(results), Normalize(0.0, 1.0)
     for panel, window in ((axes, scene.whole), (gap, scene.exit)):
-        _bead(panel, scene, window)
+        draw_bead(panel, scene, window)
         if carpet is not None:
             paint(panel, carpet.triangles, carpet.values(along), norm, SEQUENTIAL)
     _ticks(gap, results, scene.exit)
     draw_bed_motion(axes, results, scene)
-    mark_window(axes, scene.exit)
-    frame(gap)
-    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    mark_exit(axes, gap, scene)
     letter(axes, "a  fibers along the streamlines", inside=True)
     letter(gap, "b  the same; bars: preferred directions (dashed frame)")
     top = room.bottom + room.fit(scene.exit)
@@ -106,12 +176,6 @@ def figure_across(results: xr.Dataset) -> Figure:
     _shares(shares, results)
     _turned(turned, results)
     return figure
-
-
-def _bead(axes: Axes, scene: Scene, window: Window) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
 
 
 def _ticks(axes: Axes, results: xr.Dataset, window: Window) -> None:
@@ -171,7 +235,59 @@ def _heights(axes: Axes, results: xr.Dataset) -> None:
     axes.grid(axis="x", color=BAND, linewidth=0.4)
 
 
-@styled
+def history_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    along, word = component_along(results), line_word(results)
+    told = "; ".join(
+        f"on {word} {f.number} it reaches {along[f.row].max():.2f} and ends at "
+        f"{along[f.row, -1]:.2f}"
+        for f in features(results)
+    )
+    panels, follows = "Two", ""
+    if "closure_error" in results:
+        panels = "Three"
+        error = float(results["closure_error"].max())
+        follows = f" The closure follows the distribution to within {error:.3f}."
+    marks = "; marks: zones" if "zone_time" in results else ""
+    course = "rises on the way to the capillary and falls where the melt turns"
+    if is_given(results):
+        course = "over the whole way"
+    return Words(
+        caption=(
+            f"Orientation along the marked {word}s: {_model(results)}. (a) Component along the "
+            f"{word}, (b) along z; dotted: isotropic{marks}.{_judged(results)}"
+        ),
+        alt=(
+            f"{panels} panels of curves over time. The component along the {word} {course}: "
+            f"{told}.{follows}"
+        ),
+    )
+
+
+def _judged(results: xr.Dataset) -> str:
+    """Return what panel c shows, where the distribution is known."""
+    if "closure_error" not in results:
+        return ""
+    row = closure_row(results)
+    time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
+    worst = int(np.argmax(error))
+    return (
+        f" (c) Along {line_word(results)} {int(results['closure_streamline'])}, the closure "
+        "(coloured) and the distribution itself (dashed, Fokker-Planck, in error by up to "
+        f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
+        f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
+        f"{error[-1]:.3f} {'at its end' if is_given(results) else 'in the finished bead'}."
+    )
+
+
+@plate(
+    "orientation-history",
+    "Orientation along streamlines",
+    section="tensors",
+    words=history_words,
+    needs="orientation",
+    place=2,
+)
 def figure_tensor_history(results: xr.Dataset) -> Figure:
     """Draw the tensor along the marked streamlines in time, and the closure's error along one."""
     is_judged = "closure_error" in results
@@ -243,22 +359,3 @@ def _closures(axes: Axes, results: xr.Dataset) -> None:
     axes.plot([], [], color=INK, linewidth=0.8, linestyle=(0, (3, 2)), label="distribution")
     error = results["closure_error"].to_numpy()
     axes.fill_between(time, 0.0, error, color=PINK, linewidth=0, label="largest difference")
-
-
-ORIENTATION_FIGURES = (
-    Plate(
-        "orientation",
-        "Orientation across the bead",
-        figure_across,
-        across_words,
-        f"{TENSOR} node_x",
-    ),
-    Plate(
-        "orientation-history",
-        "Orientation along streamlines",
-        figure_tensor_history,
-        history_words,
-        TENSOR,
-    ),
-)
-"""What is drawn of the stage "orientation"."""

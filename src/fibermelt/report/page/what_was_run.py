@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -12,7 +11,8 @@ from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.interaction.config import OWN
 from fibermelt.parts.melt.config import Melt
-from fibermelt.report.kit.tables import Column, number, short, table
+from fibermelt.report.kit.tables import Column, number, short
+from fibermelt.report.kit.templates import rendered
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
 from fibermelt.units import parse
@@ -20,7 +20,7 @@ from fibermelt.units import parse
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["account", "parameters", "title_of"]
+__all__ = ["parameters", "title_of", "what_was_run"]
 
 KEY = ("flow", "field", "paths", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
@@ -67,15 +67,14 @@ def parameters(results: xr.Dataset) -> dict[str, Any]:
         raise StoreError(msg) from error
 
 
-def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
-    """Return what was run: where the study came from, and its parameters by table.
+def what_was_run(results: xr.Dataset) -> Markup:
+    """Return where the study came from, and its parameters by table.
 
     Parameters
     ----------
-    results, summary : Dataset, mapping
+    results : xarray.Dataset
         The store. Parameters that are as `fibermelt defaults` has them are marked as such.
     """
-    del summary
     values = parameters(results)
     defaults = flatten(Config())
     by_section: dict[str, list[Declaration]] = {}
@@ -85,33 +84,31 @@ def account(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     _of_the_source(by_section, values["flow.source"])
     parts = values["study.parts"]
     is_open = set(KEY if "bead" in parts else by_section)
-    changed = sum(
-        values[item.key] != defaults[item.key] for items in by_section.values() for item in items
-    )
-    words = Markup("<p>{} {} {}</p>\n").format(
-        _origin(results),
-        f"Computed: {', '.join(parts)}.",
-        "All parameters have their defaults."
-        if not changed
-        else f"{changed} of its parameters differ{'s' if changed == 1 else ''} from the defaults.",
-    )
-    shown = [
-        _table(name, items, values, defaults)
+    tables = {
+        name: [
+            _row(item, values[item.key], defaults[item.key])
+            for item in items
+            if values[item.key] is not None
+            or defaults[item.key] is not None
+            or item.key not in OF_OTHERS
+        ]
         for name, items in by_section.items()
-        if name in is_open
-    ]
-    folded = [
-        _table(name, items, values, defaults)
-        for name, items in by_section.items()
-        if name not in is_open
-    ]
-    if folded:
-        shown.append(
-            Markup("<details><summary>All other parameters</summary>\n{}</details>\n").format(
-                Markup().join(folded)
-            )
-        )
-    return words + Markup('<div class="parameters">\n{}</div>\n').format(Markup().join(shown))
+    }
+    return rendered(
+        "report/page/what_was_run.html.j2",
+        {
+            "origin": _origin(results),
+            "parts": parts,
+            "changed": sum(
+                values[item.key] != defaults[item.key]
+                for items in by_section.values()
+                for item in items
+            ),
+            "columns": COLUMNS,
+            "open": {name: rows for name, rows in tables.items() if name in is_open},
+            "others": {name: rows for name, rows in tables.items() if name not in is_open},
+        },
+    )
 
 
 def _of_the_source(by_section: dict[str, list[Declaration]], source: str) -> None:
@@ -140,31 +137,15 @@ def _origin(results: xr.Dataset) -> str:
     return f"{start}." if marker else ""
 
 
-def _table(
-    name: str,
-    items: Sequence[Declaration],
-    values: Mapping[str, Any],
-    defaults: Mapping[str, Any],
-) -> Markup:
-    rows = [
-        (
-            Markup('{} <code class="key">{}</code>').format(item.doc.removesuffix("."), item.key),
-            _value(item, values[item.key]),
-            _mark(item, values[item.key], defaults[item.key]),
-        )
-        for item in items
-        if values[item.key] is not None
-        or defaults[item.key] is not None
-        or item.key not in OF_OTHERS
-    ]
-    return table(name.capitalize(), COLUMNS, rows)
-
-
-def _mark(item: Declaration, value: object, default: object) -> Markup:
-    if value == default:
-        return Markup('<span class="mark">default</span>')
-    mark = Markup('<strong class="mark set">set</strong> <span class="was">default {}</span>')
-    return mark.format(_value(item, default))
+def _row(item: Declaration, value: object, default: object) -> dict[str, Any]:
+    """Return what is told of a parameter."""
+    return {
+        "meaning": item.doc.removesuffix("."),
+        "key": item.key,
+        "value": _value(item, value),
+        "is_default": value == default,
+        "default": _value(item, default),
+    }
 
 
 def _value(item: Declaration, value: object) -> str:

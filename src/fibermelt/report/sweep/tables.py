@@ -1,4 +1,4 @@
-"""What the report of a sweep tells in words and tables: what varied, its cases, its responses."""
+"""Sections of a sweep's page in words and tables: what varied, its cases, its responses."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from fibermelt.report.kit.tables import Column, meanings, number, table
-from fibermelt.report.page.account import account
-from fibermelt.report.sweep.weighing import weighing_told
+from fibermelt.report.kit.tables import Column, Table, number
+from fibermelt.report.kit.templates import rendered
+from fibermelt.report.page.what_was_run import what_was_run
+from fibermelt.report.sweep.sampled import weighing_told
 from fibermelt.sweeps.analysis import LEVELS, quantiles
 from fibermelt.sweeps.axes import distribution_told
 from fibermelt.sweeps.design import SETTINGS
@@ -34,6 +35,8 @@ DESIGNS = {
     "saltelli": "samples of Saltelli's scheme",
 }
 
+VARIED = tuple(Column(title, is_text=True) for title in ("Parameter", "Unit", "Values"))
+
 LONGEST_LIST = 8
 """Values of a parameter that are written out; of more, the first, the last and how many."""
 
@@ -53,48 +56,40 @@ def varied_told(collected: xr.Dataset, found: SweepTable) -> Markup:
     """
     asked: dict[str, Any] = json.loads(collected.attrs["sweep"])
     entries = [entry for name, entry in asked.items() if name not in SETTINGS]
-    columns = (
-        Column("Parameter", is_text=True),
-        Column("Unit", is_text=True),
-        Column("Values", is_text=True),
-    )
-    rows = []
-    for axis, entry in zip(found.axes, entries, strict=True):
-        keys = Markup(", ").join(
-            Markup('<code class="key">{}</code>').format(key) for key in axis.keys
-        )
-        name = Markup("{} {}").format(axis.title.capitalize(), keys)
-        rows.append((name, axis.unit or "–", _values(axis, entry)))
     count = len(found.status)
-    size = " × ".join(map(str, found.shape)) if len(found.shape) > 1 else str(count)
-    head = Markup("<p>{} case{}: {}{}.</p>\n").format(
-        size, "s" if count != 1 else "", DESIGNS.get(found.design, found.design), _drawn(asked)
+    return rendered(
+        "report/sweep/varied.html.j2",
+        {
+            "size": " × ".join(map(str, found.shape)) if len(found.shape) > 1 else str(count),
+            "plural": "s" if count != 1 else "",
+            "design": DESIGNS.get(found.design, found.design) + _drawn(asked),
+            "columns": VARIED,
+            "axes": [
+                (axis, _values(axis, entry))
+                for axis, entry in zip(found.axes, entries, strict=True)
+            ],
+            "melt": _melt(collected),
+            "base": what_was_run(collected),
+        },
     )
-    base = Markup(
-        "<details><summary>The study that it varies from</summary>\n{}</details>\n"
-    ).format(account(collected, {}))
-    return head + table("What varied", columns, rows) + _melt_told(collected) + base
 
 
-def _melt_told(collected: xr.Dataset) -> Markup:
+def _melt(collected: xr.Dataset) -> dict[str, Any]:
     """Return of which melt the voids are, as no critical moisture says it; nothing without them."""
     names = ("void_material_name", "void_material", "void_temperature")
     if not set(names) <= set(map(str, collected.data_vars)):
-        return Markup()
+        return {}
     titles, keys, kelvin = (collected[name].to_numpy().ravel() for name in names)
     # A case without an answer has neither a name nor a temperature.
     there = np.flatnonzero(np.isfinite(kelvin))
     if not there.size:
-        return Markup()
-    melts = dict.fromkeys((str(titles[case]), str(keys[case])) for case in there)
-    told = [
-        Markup('{} (<code class="key">melt.material</code> = {})').format(*melt) for melt in melts
-    ]
+        return {}
     celsius = kelvin[there] - ZERO_CELSIUS
     ends = dict.fromkeys(f"{value:.{DIGITS}g}" for value in (celsius.min(), celsius.max()))
-    return Markup("<p>Voids are those of {} at {}\N{NO-BREAK SPACE}°C.</p>\n").format(
-        Markup(" or ").join(told), " to ".join(ends)
-    )
+    return {
+        "cards": list(dict.fromkeys((str(titles[case]), str(keys[case])) for case in there)),
+        "celsius": " to ".join(ends),
+    }
 
 
 def _drawn(asked: dict[str, Any]) -> str:
@@ -123,30 +118,22 @@ def cases_told(found: SweepTable) -> Markup:
     found : SweepTable
         The sweep.
     """
-    count = {name: found.status.count(name) for name in ("done", "failed", "pending")}
-    cases = "cases have" if len(found.status) != 1 else "case has"
-    words = f"{count['done']} of {len(found.status)} {cases} an answer"
-    if count["failed"]:
-        words += f", {count['failed']} failed"
-    if count["pending"]:
-        words += f", {count['pending']} are still to be computed (fibermelt resume goes on)"
-    head = Markup("<p>{}.</p>\n").format(words)
     failed = [case for case, status in enumerate(found.status) if status == "failed"]
-    if not failed:
-        return head
     columns = (
         Column("Case", is_text=True),
         Column("What it was", is_text=True),
         Column("Why it failed", is_text=True),
     )
     rows = [(str(case + 1), found.point(case), found.reason[case]) for case in failed[:MOST_FAILED]]
-    more = len(failed) - MOST_FAILED
-    rest = (
-        Markup("<p>And {} more: fibermelt status tells of all.</p>\n").format(more)
-        if more > 0
-        else ""
+    return rendered(
+        "report/sweep/cases.html.j2",
+        {
+            "count": {name: found.status.count(name) for name in ("done", "failed", "pending")},
+            "every": len(found.status),
+            "failed": Table("Cases without an answer", columns, rows),
+            "more": len(failed) - MOST_FAILED,
+        },
     )
-    return head + table("Cases without an answer", columns, rows) + rest
 
 
 def responses_told(found: SweepTable) -> Markup:
@@ -160,32 +147,30 @@ def responses_told(found: SweepTable) -> Markup:
     there = [one for one in found.responses if np.isfinite(one.values).any()]
     if not there:
         return Markup()
-    whole = _spread_told(found, there)
-    if found.weighing is not None:
-        whole += _spread_told(found, there, found.weighing)
-    whole += meanings((one.title, one.meaning) for one in there)
-    if len(found.status) > MOST_CASES:
-        return whole + Markup(
-            "<p>The numbers of each case: fibermelt collect writes them into sweep.nc.</p>\n"
-        )
     columns = (
         Column("Case", is_text=True),
         *(Column(one.title, one.unit) for one in there),
     )
+    shown = range(len(found.status) if len(found.status) <= MOST_CASES else 0)
     rows = [
         (
-            Markup("{}. {}").format(case + 1, found.point(case)),
+            f"{case + 1}. {found.point(case)}",
             *(number(float(one.values[case])) for one in there),
         )
-        for case in range(len(found.status))
+        for case in shown
     ]
-    each = table("Responses of each case", columns, rows)
-    return whole + Markup("<details><summary>Case by case</summary>\n{}</details>\n").format(each)
+    weighed = [] if found.weighing is None else [_spread(found, there, found.weighing)]
+    return rendered(
+        "report/sweep/responses.html.j2",
+        {
+            "spreads": [_spread(found, there), *weighed],
+            "meanings": [(one.title, one.meaning) for one in there],
+            "each": Table("Responses of each case", columns, rows),
+        },
+    )
 
 
-def _spread_told(
-    found: SweepTable, there: Sequence[Response], weighing: Varied | None = None
-) -> Markup:
+def _spread(found: SweepTable, there: Sequence[Response], weighing: Varied | None = None) -> Table:
     """Return the range or the quantiles of the responses, of samples also with cases weighed."""
     levels: tuple[float, ...] = LEVELS if found.is_sampled else (0.0, 1.0)
     heads = ("5 %", "median", "95 %") if found.is_sampled else ("lowest", "highest")
@@ -210,4 +195,4 @@ def _spread_told(
         )
         for one in there
     ]
-    return table(caption, columns, rows)
+    return Table(caption, columns, rows)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,11 +22,9 @@ from fibermelt.report.kit.style import (
     add_axes,
     key_mark,
     new_figure,
+    plain_numbers,
 )
-from fibermelt.report.kit.style import styled as in_style
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
-from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
 from fibermelt.sweeps.analysis import (
     FEWEST_CASES,
     LEVELS,
@@ -45,11 +42,13 @@ if TYPE_CHECKING:
     from fibermelt.sweeps.responses import Response
 
 __all__ = [
+    "QUANTILE_RULE",
     "all_indices",
     "index_words",
     "quantile_words",
     "sweep_indices",
     "sweep_quantiles",
+    "weighing_told",
 ]
 
 ACROSS = 3
@@ -69,8 +68,30 @@ CLEAR: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "pad": 0.4, "linewi
 STEPS = 512
 """Points of a distribution that are drawn: of more cases, every so many."""
 
+QUANTILE_RULE = (
+    "Each case stands in the middle of its share, and quantiles are linear between cases "
+    "(Hazen's rule)."
+)
 
-@in_style
+MEANINGS = {
+    "fiber.aspect_ratio": "of fibers of one width, shares of the fiber length and volume",
+    "fiber.half_length": "shares of the fiber length",
+}
+"""What weighing by a key gives shares of, where the cases are counted by number."""
+
+
+def weighing_told(weighing: Varied) -> str:
+    """Return how cases are weighed, and what shares that gives.
+
+    Parameters
+    ----------
+    weighing : Varied
+        What a case is weighed by.
+    """
+    meaning = MEANINGS.get(weighing.keys[0])
+    return f"each weighed by its {weighing.title}" + (f" ({meaning})" if meaning else "")
+
+
 def sweep_quantiles(collected: xr.Dataset) -> Figure:
     """Draw the distribution of each response over the samples, with its quantiles.
 
@@ -195,10 +216,6 @@ def sweep_indices(collected: xr.Dataset, found: Found | None = None) -> Figure:
     found : sequence of (Response, Indices), optional
         What `all_indices` found in it; it saves the time to find it.
     """
-    return in_style(partial(_draw_indices, found=found))(collected)
-
-
-def _draw_indices(collected: xr.Dataset, found: Found | None) -> Figure:
     table = sweep_table(collected)
     found = found or all_indices(table)
     rows, tall = -(-len(found) // ACROSS), LINE * len(table.axes) + 4

@@ -1,26 +1,21 @@
-"""Turns of single fibers in simple shear as figures read them: cases, half turns, colours, scales.
-
-These figures stand in a column, half as wide as a page.
-"""
+"""Turns of single fibers in simple shear as figures read them: cases, half turns, colours."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
-from fibermelt.report.kit.style import BAND, BLUE, INK, VERMILION, Array
+from fibermelt.report.kit.style import BAND, BLUE, INK, VERMILION, Array, shades
 from fibermelt.units import KPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "COLUMN",
     "JEFFERY",
     "KPA",
     "OURS",
@@ -33,14 +28,9 @@ __all__ = [
     "swept",
 ]
 
-COLUMN = 90.0
-"""Width of a figure [mm]: one column of a page."""
 
 OURS, JEFFERY = VERMILION, BLUE
 """Colours of the fiber in its cell and of the unbounded one, as in the paper's Fig. 8 and 9."""
-
-SHADES, DARKEST, LIGHTEST = "plasma", 0.12, 0.85
-"""Colours of a sweep: no darker than shows a dashed line on top, no lighter than shows on white."""
 
 SWEEPS = {
     "aspect_ratio": ("case_aspect_ratio", "$r_e$ = {}"),
@@ -120,14 +110,13 @@ def swept(results: xr.Dataset, sweep: str) -> list[tuple[int, str, str]]:
     cases = np.flatnonzero(results["case_sweep"].to_numpy() == sweep)
     values = results[variable].to_numpy()[cases]
     order = cases[np.argsort(values, kind="stable")]
-    shades = mpl.colormaps[SHADES](np.linspace(DARKEST, LIGHTEST, len(order)))
     return [
         (
             int(case),
             name.format(f"{float(results[variable][case]):g}"),
-            mpl.colors.to_hex(shade),
+            shade,
         )
-        for case, shade in zip(order, shades, strict=True)
+        for case, shade in zip(order, shades(len(order)), strict=True)
     ]
 
 
