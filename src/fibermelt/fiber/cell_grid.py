@@ -12,7 +12,8 @@ from the tip on the x axis, row ``j`` outward from the fiber. Two lengths decide
 - a narrow gap ``g = R - a`` is felt over the distance ``s = sqrt(2 g/(1 - b^2))`` from the tip.
 
 Both enter through ``sinh`` stretches, so the number of elements grows with the logarithm only
-of the aspect ratio and of the domain size. Lengths are in units of the half-length ``a``.
+of the aspect ratio and of the domain size. Columns may be bounded in width: `CellGrid.even_from`.
+Lengths are in units of the half-length ``a``.
 """
 
 from __future__ import annotations
@@ -57,9 +58,9 @@ class CellGrid:
         a Newtonian melt; a thinning one varies around the points of the surface where nothing
         deforms, the tip in a stretch along the fiber.
     even_from : float
-        Eccentric angle from a tip [rad] beyond which columns grow no wider. None does in a Newtonian
-        melt, whose singularity lies at the tip; in a thinning one those points move all over the
-        surface as the strain turns.
+        Eccentric angle from a tip [rad] beyond which columns grow no wider. In a Newtonian melt
+        they go on growing, its singularities lie below the tips; the points of a thinning one move
+        all over the surface as the strain turns.
     """
 
     semi_minor: float

@@ -53,9 +53,9 @@ __all__ = [
 Array = NDArray[np.float64]
 
 THINNING_NUMERICS = CellNumerics(order=5, angular_spacing=0.4, radial_spacing=1.0)
-"""How a thinning cell is solved: its grid is sharper than a Newtonian one, and even away from the tip.
-The extremes in ten random directions are then within 2.3e-3 of the largest pressure at order 6 on a
-third more columns and rows, 2.7 times as sharp (n = 0.25, M = 4, r_e = 6)."""
+"""How a thinning cell is solved: its grid is sharper than a Newtonian one, and even away from tips.
+A table's extremes in ten random directions are then within 2.3e-3 of the largest pressure of those
+at order 6 on a third more columns and rows, 2.7 times as sharp (n = 0.25, M = 4, r_e = 6)."""
 
 SHARPENING = 15.0
 """How much finer than a Newtonian cell at the tip and the surface: where nothing deforms, as at the
