@@ -66,7 +66,7 @@ PART = Part(
         ),
         Stage(
             "response",
-            1,
+            2,
             (*FIBER, LAW, "numerics.thinning_order"),
             (),
             f"{HERE}.response:response_stage",

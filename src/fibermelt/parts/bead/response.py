@@ -25,8 +25,8 @@ __all__ = ["response_estimates", "response_stage", "thinning_response"]
 
 SPIN_BOUND, PRESSURE_BOUND = 5e-3, 1e-2
 """Largest estimated errors of an ellipse's table: of the spin over the strain's size, and of the
-pressure extremes over the largest pressure. At n = 0.5 they have 1e-5 and 1.2e-3, at 0.25 7e-3;
-finer costs minutes, and no law of a melt is known so well."""
+pressure extremes over the largest pressure. At n = 0.25 they have 2e-5 and 2.8e-3 for r_e = 6,
+1e-5 and 7.9e-3 for 20; no law of a melt is known so well."""
 
 SPHEROID_BOUND = 0.2
 """The same of a spheroid's, in three dimensions and for a local index: as told beside it."""
