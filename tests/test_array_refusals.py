@@ -141,7 +141,7 @@ PLAIN: dict[str, Case] = {
     "FlowField.locate xy": (FIELD.locate, np.array([[0.2, 0.2]])),
     "follow initial_angles": (lambda x: fm.follow(HISTORY, 0.9, x), TIMES),
     "isotropic_pressure levels": (
-        lambda x: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, 1.0, x),
+        lambda x: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, 1.0, 20, x),
         HALF,
     ),
     "follow_directors directions": (

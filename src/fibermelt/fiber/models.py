@@ -29,7 +29,6 @@ from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.directions import equal_area_directions, even_frames
 from fibermelt.fiber.directors import follow_directors
 from fibermelt.fiber.ellipsoid import Ellipsoid, EllipsoidResponse, unbounded_ellipsoid
-from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.frames import FRAME_TOLERANCE, follow_ellipsoids
 from fibermelt.fiber.jeffery import unbounded_ellipse
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
@@ -205,21 +204,20 @@ class FiberModel(Shown):
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, and for all in a melt that thins; else over the sphere by
-        ``count`` directions (`equal_area_directions`) or frames (`even_frames`), between whose
-        values quantiles are linear. The other parameters and errors as in
-        `fibermelt.fiber.population.isotropic_pressure`.
+        By ``count`` fibers: in the plane for an ellipse, and for all in a melt that thins; else
+        over the sphere, directions (`equal_area_directions`) or frames (`even_frames`). The other
+        parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
         """
         if not self.has_directions:
             return isotropic_pressure(
-                path, self.in_plane, viscosity, middle_time, levels, tolerance
+                path, self.in_plane, viscosity, middle_time, count, levels, tolerance
             )
         values = _isotropic_values(path, self.in_space, count, tolerance)
 
-        def pressures(one: FlowHistory, middle: float | None) -> tuple[Array, Array, Array]:
+        def pressures(one: FlowHistory) -> tuple[Array, Array]:
             scale = newtonian_viscosity(viscosity, 0.5 * one.shear_rate)
-            lowest, highest = (scale * side for side in values(one))
-            return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
+            lowest, highest = values(one)
+            return scale * lowest, scale * highest
 
         return population_quantiles(path, middle_time, levels, pressures)
 

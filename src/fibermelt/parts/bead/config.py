@@ -169,9 +169,9 @@ class Numerics(Section):
         lt=0.1,
     )
     isotropic_angles: int = setting(
-        360,
-        "Number of directions in space that stand for an isotropic start of spheroids, for the "
-        "quantiles; those of fibers in the plane are exact.",
+        200,
+        "Number of fibers that stand for an isotropic start, for the quantiles: initial angles in "
+        "the plane, directions or frames in space.",
         ge=3,
         le=10000,
     )

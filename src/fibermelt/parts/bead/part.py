@@ -75,7 +75,7 @@ PART = Part(
         ),
         Stage(
             "motion",
-            3,
+            4,
             (
                 *CELL,
                 LAW,

@@ -178,6 +178,11 @@ BEAD_VARIABLES: Mapping[str, tuple[str, str, str]] = {
         "Pa",
         "quantiles of the extreme for an isotropic start",
     ),
+    "extreme_quantiles_error": (
+        "streamline location kind quantile",
+        "Pa",
+        "estimated error of the quantiles, by the number of fibers",
+    ),
     "zone_angle": (
         "streamline initial_angle zone",
         "rad",
