@@ -20,7 +20,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -64,14 +63,9 @@ from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
 from fibermelt.shown import Shown
 
-__all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
+__all__ = ["FiberModel", "confined_model", "unbounded_model"]
 
 Array = NDArray[np.float64]
-
-ModelName = Literal["confined-ellipse", "ellipse", "spheroid", "ellipsoid"]
-
-MODELS: tuple[ModelName, ...] = get_args(ModelName)
-"""The models by name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,8 +74,8 @@ class FiberModel(Shown):
 
     Parameters
     ----------
-    name : {"confined-ellipse", "ellipse", "spheroid", "ellipsoid"}
-        Which model it is.
+    name : str
+        Which model it is: "confined-ellipse", "ellipse", "spheroid", "ellipsoid", or one's own.
     response : FiberResponse
         Its answer while it lies in the plane of the flow.
     spheroid : SpheroidResponse or None
@@ -92,7 +86,7 @@ class FiberModel(Shown):
         The answer of a body of three axes in any orientation.
     """
 
-    name: ModelName
+    name: str
     response: FiberResponse
     spheroid: SpheroidResponse | None = None
     thinning: ThinningResponse | None = None
@@ -227,7 +221,7 @@ def confined_model(response: FiberResponse) -> FiberModel:
     return FiberModel("confined-ellipse", response)
 
 
-def unbounded_model(name: ModelName, fiber: Ellipse | Ellipsoid) -> FiberModel:
+def unbounded_model(name: str, fiber: Ellipse | Ellipsoid) -> FiberModel:
     """Return the model of a fiber in an unbounded melt, exact to rounding.
 
     Parameters

@@ -102,6 +102,7 @@ def isotropic_pressure(
     refuse_no_count("count", count)
     checked_path(path)
     angles = isotropic_angles(count)
+    each: Iterator[tuple[Array, Array]]
     if isinstance(response, ThinningResponse):
         found = surface_pressure(
             path, response, viscosity, follow(path, response, angles, tolerance)

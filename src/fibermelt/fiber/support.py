@@ -159,7 +159,7 @@ class SupportFunction:
     @cached_property
     def _fine(self) -> Array:
         """Return ``h`` at `FINE` phases."""
-        return self((2.0 * np.pi / FINE) * np.arange(FINE))
+        return self((2.0 * np.pi / FINE) * np.arange(FINE, dtype=np.float64))
 
     def where(self, phase: Array) -> Array:
         """Return the eccentric angle of the maximum [rad], in (-pi/2, pi/2], from the table.

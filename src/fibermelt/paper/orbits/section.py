@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.report.kit.tables import Column, fixed, number, percent, short, table
 
 if TYPE_CHECKING:
@@ -25,11 +26,7 @@ VARIED = {
 }
 """What the sweeps vary: words and unit."""
 
-MODELS = {
-    "confined-ellipse": "ellipse in its cell",
-    "ellipse": "ellipse, unbounded",
-    "spheroid": "spheroid, unbounded",
-}
+MODELS = {name: SHAPES[name].label for name in ("confined-ellipse", "ellipse", "spheroid")}
 """What the models are called in a table's head."""
 
 

@@ -5,13 +5,16 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.parts.bead.shape import Sizes
+from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.melt.melt import law_of, viscosity_of
 from fibermelt.parts.variables import labelled
 
@@ -19,16 +22,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.fiber.cell_data import CellNumerics
-    from fibermelt.fiber.models import FiberModel, ModelName
-    from fibermelt.fiber.shape import Ellipse
+    from fibermelt.fiber.models import FiberModel
     from fibermelt.history import FlowHistory
 
 __all__ = [
     "cell_estimates",
+    "cell_numerics",
     "cell_stage",
     "domain_size",
     "motion_estimates",
     "motion_stage",
+    "sizes_of",
     "stored_model",
     "stored_path",
     "thinning_numerics",
@@ -62,14 +66,19 @@ itself it says nothing of it."""
 
 def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Solve the fiber's cell, or take what is known of a fiber without one."""
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+    shape = SHAPES[parameters["fiber.model"]]
+    numerics, size = None, 0.0
+    if shape.has_cell:
+        numerics, size = cell_numerics(parameters), domain_size(parameters, inputs)
+    return labelled(
+        {"fiber_model": shape.name, **shape.solved(sizes_of(parameters), size, numerics, say)}
+    )
 
-    ratio = parameters["fiber.aspect_ratio"]
-    if parameters["fiber.model"] == "confined-ellipse":
-        fiber = Ellipse(parameters["fiber.half_length"], ratio)
-        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
-    third = parameters["fiber.thickness_ratio"]
-    return _unbounded(parameters["fiber.model"], ratio, ratio if third is None else third, say)
+
+def sizes_of(parameters: Mapping[str, Any]) -> Sizes:
+    """Return how large the study's fiber is."""
+    names = ("half_length", "aspect_ratio", "thickness_ratio")
+    return Sizes(*(parameters[f"fiber.{name}"] for name in names))
 
 
 def cell_estimates(parameters: Parameters, cell: xr.Dataset) -> tuple[Estimate, ...]:
@@ -96,38 +105,7 @@ def domain_size(parameters: Parameters, inputs: Inputs) -> float:
     return float(parameters["fiber.domain_size"])
 
 
-def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
-    """Solve the cell of a confined ellipse."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
-
-    solution = solve_cell(fiber, size, _numerics(parameters))
-    say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
-    stall_angle, error = solution.stall_angle, solution.error_estimate
-    return labelled(
-        {
-            "fiber_model": "confined-ellipse",
-            "aspect_ratio": fiber.aspect_ratio,
-            "domain_size": solution.domain_size,
-            "shape_factor": solution.shape_factor,
-            "stall_angle": np.nan if stall_angle is None else stall_angle,
-            "tip_pressure": solution.tip_pressure,
-            "shape_factor_error": np.nan if error is None else error.shape_factor,
-            "tip_pressure_error": np.nan if error is None else error.tip_pressure,
-            "cell_unknowns": solution.unknowns,
-            "surface_angle": solution.response.surface,
-            "surface_basis": solution.response.basis,
-            "cell_point": solution.points,
-            "cell_triangle": solution.cells,
-            "cell_edge": solution.element_edges,
-            "cell_velocity": solution.velocity,
-            "cell_pressure": solution.pressure,
-        }
-    )
-
-
-def _numerics(parameters: Parameters) -> CellNumerics:
+def cell_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved."""
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
 
@@ -148,86 +126,26 @@ def thinning_numerics(parameters: Parameters) -> CellNumerics:
     )
 
 
-def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say) -> xr.Dataset:
-    """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
-
-    An unbounded fiber tumbles, as ``xi < 1``.
-    """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
-
-    model = _unbounded_model(name, aspect_ratio, thickness)
-    response, around = model.response, surroundings(model)
-    say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
-    return labelled(
-        {
-            "fiber_model": name,
-            "aspect_ratio": aspect_ratio,
-            **({"thickness_ratio": thickness} if name == "ellipsoid" else {}),
-            "domain_size": np.nan,
-            "shape_factor": response.shape_factor,
-            "stall_angle": np.nan,
-            "tip_pressure": response.tip_pressure,
-            "shape_factor_error": 0.0,
-            "tip_pressure_error": 0.0,
-            "cell_unknowns": 0,
-            "surface_angle": response.surface,
-            "surface_basis": response.basis,
-            "cell_point": around.points,
-            "cell_triangle": around.cells,
-            "cell_edge": around.lines,
-            "cell_velocity": around.velocity,
-            "cell_pressure": around.pressure,
-        }
-    )
-
-
 def stored_model(cell: xr.Dataset) -> FiberModel:
     """Return the fiber's model that was stored; the same cell gives the very same model.
 
     What a model has worked out, such as its support function, then serves all cases of a sweep
     that share the cell.
     """
-    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
-    if name != "confined-ellipse":
-        third = cell.get("thickness_ratio", aspect_ratio)
-        return _unbounded_model(cast("ModelName", name), aspect_ratio, float(third))
-    surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
-    factor = float(cell["shape_factor"])
-    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
+    name = str(cell["fiber_model"].item())
+    stored = {key: cell[key].to_numpy() for key in SHAPES[name].stored}
+    return _restored(
+        name, tuple((key, array.shape, array.tobytes()) for key, array in stored.items())
+    )
 
 
 @lru_cache(maxsize=MODELS_KEPT)
-def _unbounded_model(name: ModelName, aspect_ratio: float, thickness: float) -> FiberModel:
-    """Return the model of a fiber without a cell; only an ellipsoid has a thickness of its own."""
-    from fibermelt.fiber.ellipsoid import Ellipsoid  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
-    if name == "ellipsoid":
-        return unbounded_model(name, Ellipsoid((1.0, 1.0 / aspect_ratio, 1.0 / thickness)))
-    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
-
-
-@lru_cache(maxsize=MODELS_KEPT)
-def _confined_model(
-    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
-) -> FiberModel:
-    """Return the model of a fiber from the numbers of its cell."""
+def _restored(name: str, stored: tuple[tuple[str, tuple[int, ...], bytes], ...]) -> FiberModel:
+    """Return the model of a fiber from its stored variables."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
-    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
-
-    angles = np.frombuffer(surface)
-    return confined_model(
-        FiberResponse(
-            aspect_ratio=aspect_ratio,
-            shape_factor=shape_factor,
-            surface=angles,
-            basis=np.frombuffer(basis).reshape(len(angles), -1),
-        )
+    return SHAPES[name].restored(
+        {key: np.frombuffer(data).reshape(shape) for key, shape, data in stored}
     )
 
 
@@ -263,11 +181,11 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 def _refuse_in_plane(parameters: Parameters) -> None:
     """Refuse fibers that are known in a plane only, where the flow is in space."""
     model, directions = parameters["fiber.model"], parameters["fiber.directions"]
-    if model in ("spheroid", "ellipsoid") and directions == "equal-area":
+    if SHAPES[model].in_space and directions == "equal-area":
         return
     msg = (
         f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
-        'and this fiber is known in a plane: say fiber.model = "spheroid" or "ellipsoid" and '
+        f"and this fiber is known in a plane: say fiber.model = {choices('in_space')} and "
         'fiber.directions = "equal-area"'
     )
     raise ConfigError(msg)
@@ -335,7 +253,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         lines[name].to_numpy() if name in lines else None for name in ("middle_time", "zone_time")
     )
     if parameters["fiber.path"] == "newton":
-        chosen = thinning_numerics if "response" in inputs else _numerics
+        chosen = thinning_numerics if "response" in inputs else cell_numerics
         size, numerics = domain_size(parameters, inputs), chosen(parameters)
         followed = followed_by_newton(
             parameters, path, model, size, numerics, middle, zone_time, say
