@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
@@ -40,13 +40,6 @@ __all__ = [
 
 MODELS_KEPT = 8
 """Models of fibers that are kept at hand: a few hundred kilobytes each."""
-
-PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
-    "mean": "cell-edge",
-    "far-node": "far-node",
-}
-"""Names that the pressure's level has in a study, and in `fibermelt.fiber`."""
-
 
 SHAPE_FACTOR_BOUND = {"graded": 1e-3, "paper": 2e-2}
 """Largest estimated error of ``B``, over ``B`` if that is above one. The lowest order has 1e-4 at
@@ -109,7 +102,7 @@ def cell_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved."""
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
 
-    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    reference = parameters["fiber.pressure_reference"]
     if parameters["numerics.cell_mesh"] == "paper":
         return CellNumerics(mesh="paper", pressure_reference=reference)
     return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
@@ -122,7 +115,7 @@ def thinning_numerics(parameters: Parameters) -> CellNumerics:
     return replace(
         THINNING_NUMERICS,
         order=parameters["numerics.thinning_order"],
-        pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
+        pressure_reference=parameters["fiber.pressure_reference"],
     )
 
 

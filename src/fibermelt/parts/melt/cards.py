@@ -24,8 +24,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from fibermelt.declared import BOUNDS
 from fibermelt.engine.parameters import (
-    BOUNDS,
     Declaration,
     declarations,
     excerpt,
