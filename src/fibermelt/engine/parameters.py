@@ -140,7 +140,7 @@ def declared_by(kind: type, name: str, doc: str, shown: str = "", **more: Any) -
         Other arguments of `quantity` or `setting`, bounds besides those of the field among them.
     """
     field = declaration(kind, name)
-    unit, default = field.metadata["unit"], cast("float | None", field.default)
+    unit, default = field.metadata["unit"], cast("int | float | None", field.default)
     more = {**field.metadata["bounds"], **more}
     if isinstance(default, int):
         return setting(default, doc, **more)

@@ -258,7 +258,8 @@ class SurfaceSearch:
             f"{steps} on a mesh of {flow.mesh.ne} triangles (bound "
             f"numerics.flow_tolerance = {numerics.flow_tolerance:g}), "
             f"residual {step.residual:.1e}, most of it in the {step.worst_field}; "
-            f"contact at x = {x[-1]:.4g} m, heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
+            f"contact at x = {x[-1]:.4g} m, heel at x = {x.min():.4g} m, "
+            f"highest point {y.max():.4g} m; try twice the "
             "numerics.contact_edge and numerics.lip_edge"
         )
         raise ConvergenceError(msg)
