@@ -140,6 +140,8 @@ def test_other_mistakes(tmp_path: Path) -> None:
         fm.run_study("paper", page=True)
     with pytest.raises(fm.ConfigError, match='out = "": is no name of a folder'):
         fm.run_study("paper", out="")
+    with pytest.raises(fm.ConfigError, match=r'overrides = "folder": must be a mapping.* out='):
+        fm.run_study("paper", "folder")  # type: ignore[arg-type]
     with pytest.raises(fm.ConfigError, match=r"paper: has no table \[sweep\]"):
         fm.sweep("paper")
     with (

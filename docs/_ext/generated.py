@@ -108,11 +108,12 @@ def _at(name: str) -> str:
 
 def variables() -> str:
     """Return every variable of results.nc: dimensions, unit, what it is."""
-    from fibermelt.parts.variables import VARIABLES  # noqa: PLC0415  lazy, as in parameters
+    from fibermelt.study.quantities import QUANTITIES  # noqa: PLC0415  lazy, as in parameters
 
     rows = (
-        (f"`{name}`", f"`{dimensions}`" if dimensions else "", unit, doc)
-        for name, (dimensions, unit, doc) in VARIABLES.items()
+        (f"`{one.name}`", f"`{one.dimensions}`" if one.dimensions else "", one.unit, one.meaning)
+        for one in QUANTITIES.values()
+        if one.stored
     )
     return _table(("variable", "dimensions", "unit", "what it is"), rows)
 

@@ -21,11 +21,11 @@ from fibermelt.engine.loading import Study
 from fibermelt.engine.named import named
 from fibermelt.engine.outputs import has_run
 from fibermelt.engine.progress import Observer, observing
+from fibermelt.engine.results import study_of
 from fibermelt.engine.runner import run_study as run_into
 from fibermelt.engine.runner import summarize
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import ConfigError, legible
-from fibermelt.parts.variables import study_of
 from fibermelt.report.page.lazily import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study, resolve
@@ -257,10 +257,16 @@ class StudyAccessor:
 
 def _read(
     study: str | Path | Mapping[str, Any],
-    overrides: Mapping[str, Any] | None,
+    overrides: Mapping[str, Any] | str | Path | None,
     over: Mapping[str, Any] | None = None,
 ) -> Study:
     """Return a study; warn of what of it is allowed, and hardly meant."""
+    if isinstance(overrides, (str, Path)):
+        msg = (
+            f'overrides = "{legible(str(overrides))}": must be a mapping, such as '
+            '{"flow.gap": "3.5 mm"}; a results folder is named by out='
+        )
+        raise ConfigError(msg)
     given = study if isinstance(study, Mapping) else str(study)
     read = load_study(given, overrides or {}, over or {})
     for line in CHAIN.unread(read):

@@ -267,6 +267,28 @@ class FlowHistory(Unchanging):
             **{name: getattr(self, name).compress(keep, axis=lead) for name in self.quantities}
         )
 
+    def time_across(self, axis: int, place: float) -> Array:
+        """Return when each path first reaches a plane across x, y or z [s], (...); NaN if never.
+
+        Parameters
+        ----------
+        axis : int
+            0, 1 or 2: the axis that the plane lies across.
+        place : float
+            Where on it [m]. A path that begins in the plane is there at once. Between points the
+            time is linear in the distance, second order in their spacing.
+        """
+        away = self.position[..., axis] - place
+        away = away * np.where(away[..., :1] < 0.0, -1.0, 1.0)
+        there = away <= 0.0
+        after = np.argmax(there, axis=-1)[..., None]
+        before = np.maximum(after - 1, 0)
+        a, b = (np.take_along_axis(away, at, axis=-1) for at in (before, after))
+        start, end = (np.take_along_axis(self.time, at, axis=-1) for at in (before, after))
+        part = a / np.where(after > 0, a - b, 1.0)
+        when = np.where(after > 0, start + part * (end - start), start)
+        return np.asarray(np.where(there.any(axis=-1), when[..., 0], np.nan))
+
     @property
     def strain_rate(self) -> Array:
         """Return ``D = (L + L^T)/2`` [1/s], shape (..., n, 3, 3) (the paper's Gamma of Eq. 4)."""

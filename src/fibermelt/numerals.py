@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["places", "rounded"]
+__all__ = ["ERROR_DIGITS", "measured", "number", "places", "rounded"]
 
 NOISE = 1e-9
 """Smaller than this part of the size that it is told by, a number is what rounding left of zero."""
 
 MOST = 7
 """Decimals at most; of smaller things numbers are told with a power of ten."""
+
+SMALLEST, LARGEST = 1e-3, 1e6
+"""Magnitudes between which a number that is told by itself has no power of ten."""
+
+ERROR_DIGITS = 2
+"""Significant digits of an error estimate: it is no better known."""
 
 
 def places(size: float, digits: int) -> int:
@@ -51,3 +57,43 @@ def rounded(value: float, size: float, digits: int = 3) -> str:
         return f"{value:.{digits - 1}e}" if value else "0"
     text = f"{value:.{decimals}f}"
     return text if value == 0 or float(text) != 0 else f"{value:.1g}"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number with so many significant digits, whole ones as they are.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Significant digits.
+    """
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    if isinstance(value, int) or SMALLEST <= abs(value) < LARGEST:
+        return rounded(value, value, digits) if value != int(value) else f"{value:.0f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def measured(
+    value: float, error: float = math.nan, *, size: float | None = None, digits: int = 4
+) -> str:
+    """Return a number with its error, written to the error's digits.
+
+    Parameters
+    ----------
+    value, error : float
+        The number and its error, in the same unit; an error that is not finite or not above
+        zero is not told.
+    size : float, optional
+        Magnitude of what it is told of, in the same unit: the decimals of what has no error.
+    digits : int
+        Significant digits of what has no error.
+    """
+    if not (math.isfinite(error) and error > 0):
+        return number(value, digits) if size is None else rounded(value, size, digits)
+    decimals = max(0, ERROR_DIGITS - 1 - math.floor(math.log10(error)))
+    if decimals > ERROR_DIGITS - math.log10(SMALLEST):
+        return f"{number(value, 6)} ± {number(error, ERROR_DIGITS)}"
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"

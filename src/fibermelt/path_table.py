@@ -22,7 +22,7 @@ from fibermelt.history import FlowHistory
 from fibermelt.interpolation import PathInterpolant
 from fibermelt.units import parse
 
-__all__ = ["PathTable", "as_many_points", "read_paths"]
+__all__ = ["PathTable", "as_many_points", "is_path_table", "read_paths"]
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,14 @@ class PathTable:
     divergence: tuple[float, ...]
     notes: tuple[str, ...]
     numbers: tuple[int, ...]
+
+
+def is_path_table(head: bytes) -> bool:
+    """Tell whether the first bytes of a file are those of a table of paths: time and a gradient."""
+    first = head.decode("utf-8-sig", errors="replace").partition("\n")[0]
+    matches = (COLUMN.fullmatch(name) for name in first.split(","))
+    names = {match["name"] for match in matches if match is not None}
+    return {"time", "L_xx"} <= names <= {*UNITS}
 
 
 def read_paths(file: str | Path) -> PathTable:

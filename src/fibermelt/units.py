@@ -1,7 +1,7 @@
 """Units at the door: ``"24 mm/s"`` becomes 0.024, and everything inside is an SI float.
 
-This is the only module that knows anything but SI. It is imported by the configuration and the
-command line; pint is loaded when the first quantity with a unit is read.
+This is the only module that knows anything but SI: what is read is parsed here, and what is shown
+takes its factors from here. pint is loaded when the first quantity with a unit is read.
 """
 
 from __future__ import annotations
@@ -18,7 +18,24 @@ from fibermelt.errors import LONGEST, ConfigError, legible
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["ZERO_CELSIUS", "celsius_meant", "in_celsius", "parse", "parse_difference", "shown"]
+__all__ = [
+    "DEGREES",
+    "KPA",
+    "MM",
+    "MPA",
+    "MS",
+    "NM",
+    "PERCENT",
+    "SHOWN",
+    "UM",
+    "ZERO_CELSIUS",
+    "celsius_meant",
+    "in_celsius",
+    "parse",
+    "parse_difference",
+    "parse_plane",
+    "shown",
+]
 
 _QUANTITY = re.compile(
     r"\s*+(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?)"
@@ -26,6 +43,7 @@ _QUANTITY = re.compile(
     re.DOTALL,
 )
 _UNIT = re.compile(r"(?:1?\s*+/)?(?:[\s*/()]|[A-Za-z%µμ]++(?:\^?[+-]?\d)?)*+")
+_PLANE = re.compile(r"\s*([xyz])\s*(?:=\s*(\S.*?)\s*)?")
 _SEPARATED = re.compile(r"[,_]\d")
 _EXPONENT = re.compile(r"([A-Za-zµμ])([+-]?\d)")
 
@@ -43,6 +61,27 @@ _SIGNS = {"℃": "degC", "°C": "degC", "°": "deg", "%": "percent"}
 
 POWER_OF_TEN_TOLERANCE = 1e-12
 """Largest distance of log10(factor) from an integer that is rounding in the unit library."""
+
+MM, UM, NM, MS = 1e3, 1e6, 1e9, 1e3
+"""Millimetres, micrometres and nanometres in a metre, milliseconds in a second."""
+
+KPA, MPA = 1e-3, 1e-6
+"""Kilopascals and megapascals in a pascal."""
+
+PERCENT, DEGREES = 100.0, 180.0 / math.pi
+"""Hundredths in one, degrees in a radian."""
+
+SHOWN = {
+    "mm": MM,
+    "µm": UM,
+    "nm": NM,
+    "ms": MS,
+    "kPa": KPA,
+    "MPa": MPA,
+    "%": PERCENT,
+    "°": DEGREES,
+}
+"""Units that results are shown in: how many of each are one of its SI unit."""
 
 ZERO_CELSIUS = 273.15
 """0 degC [K]."""
@@ -190,6 +229,27 @@ def parse(value: object, unit: str) -> float:
         msg = "is not finite"
         raise ConfigError(msg)
     return number
+
+
+def parse_plane(text: str) -> tuple[int, float]:
+    """Return the axis (0, 1 or 2) and the place on it [m] of a plane across x, y or z.
+
+    Parameters
+    ----------
+    text : str
+        ``"y = 2 mm"``; ``"y"`` alone for ``y = 0``.
+
+    Raises
+    ------
+    ConfigError
+        If it is none; without the key, as of `parse`.
+    """
+    match = _PLANE.fullmatch(text)
+    if match is None:
+        msg = 'must be "x", "y" or "z", or such as "y = 2 mm"'
+        raise ConfigError(msg)
+    axis, place = match.groups()
+    return "xyz".index(axis), parse(place, "m") if place else 0.0
 
 
 def celsius_meant(value: float, unit: str) -> str:

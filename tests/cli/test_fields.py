@@ -66,6 +66,14 @@ def test_a_mistake_is_one_line(tmp_path: Path) -> None:
     assert "cannot be read: no such file or directory" in done.stderr
 
 
+def test_a_table_of_paths_is_told_its_place(tmp_path: Path) -> None:
+    file = tmp_path / "paths.csv"
+    file.write_text("path, time [s], x [mm], y, u, v, L_xx, L_xy, L_yx, L_yy\n1, 0, 0, 0, 1, 0\n")
+    done = fields(str(file))
+    assert done.exit_code == 2
+    assert 'say flow.source = "histories"' in " ".join(done.output.split())
+
+
 def test_the_table_takes_units_and_lists() -> None:
     section = ImportedField(
         file="a",

@@ -18,6 +18,7 @@ from fibermelt.fiber import (
     surface_pressure,
     unbounded_ellipse,
 )
+from fibermelt.fiber.thinning import BLOCK
 from fibermelt.fiber.thinning_motion import _turning
 from fibermelt.history import FlowHistory
 from fibermelt.melt import CarreauYasuda, Newtonian
@@ -88,6 +89,23 @@ def test_quantiles_are_those_of_the_linear_response() -> None:
     for name in ("lowest", "highest", "extremes"):
         values = getattr(linear, name)
         assert getattr(found, name) == pytest.approx(values, abs=1e-4 * np.max(np.abs(values)))
+
+
+def test_both_pressures_are_read_at_one_place() -> None:
+    one = table()
+    grown = np.array([[1.0], [1.5], [2.5]])  # rows that differ, and no symmetry of their own
+    rows = [grown * part[:, ::4] for part in (one.lowest, one.highest, one.tip)]
+    found = ThinningResponse.from_extremes(
+        6.0, THINS, np.array([1.0, 10.0, 100.0]), grown * np.zeros(rows[0].shape[1]), *rows
+    )
+    rate = np.geomspace(1.0, 99.0, 2 * 300).reshape(2, 300)
+    phase = np.linspace(-9.0, 9.0, 2 * 70 * 300).reshape(2, 70, 300)  # more than are read at a time
+    low, high = found.both_at(rate, phase)
+    assert phase[0].size > BLOCK
+    for values, at, sign in ((low, phase, 1.0), (high, phase + np.pi, -1.0)):
+        expected = sign * found.lowest_at(rate[:, None], at)
+        # a phase of 12 is rounded to 1e-15, a pressure rises by 10 a radian
+        assert np.max(np.abs(values - expected)) < 1e-12
 
 
 def test_a_few_directions_are_enough_for_a_table() -> None:

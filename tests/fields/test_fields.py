@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 from dialects import DIALECTS, Sample, sample, vtu
 from exact_flows import MILL, ExactFlow, Mesh, box, embedded, rectangle
 
@@ -92,6 +93,36 @@ def test_gradient_is_of_third_order_inside_and_at_walls(tmp_path: Path, flow: Ex
     # the cubic's order; meshes are moved at random, which costs or gives a quarter
     assert np.log2(inside[0] / inside[1]) == pytest.approx(3.0, abs=0.4)
     assert np.log2(wall[0] / wall[1]) == pytest.approx(3.0, abs=0.5)
+
+
+def of_cells(folder: Path, flow: ExactFlow, n: int) -> Path:
+    """Write a flow as a solver of finite volumes has it: its mean in each cell."""
+    mesh = flow.mesh(n)
+    d = mesh.points.shape[1]
+    centre = mesh.points[mesh.cells].mean(axis=1, keepdims=True)
+    # exact for quadratics: the corners, drawn to the middle
+    inner = embedded((centre + (mesh.points[mesh.cells] - centre) / np.sqrt(d + 2)).reshape(-1, d))
+    grid = pyvista.UnstructuredGrid({{2: 5, 3: 10}[d]: mesh.cells}, embedded(mesh.points))
+    grid.cell_data["U"] = flow.velocity(inner).reshape(-1, d + 1, 3).mean(axis=1)
+    path = folder / f"cells{n}.vtu"
+    grid.save(path)
+    return path
+
+
+@pytest.mark.parametrize("flow", [MILL, SWIRL], ids=lambda flow: flow.name)
+def test_gradient_of_values_in_cells_is_of_second_order_at_walls(
+    tmp_path: Path, flow: ExactFlow
+) -> None:
+    """Planes through the cells at a node left the first order there, and half the estimate."""
+    wall = []
+    for n in RESOLUTIONS[flow.name]:
+        field = read_field(of_cells(tmp_path, flow, n))
+        error = np.linalg.norm(field.gradient - flow.gradient(field.points), axis=(1, 2))
+        wall.append(np.sqrt(np.mean(error[field.near_wall] ** 2)))
+        assert np.mean(field.gradient_error[field.near_wall] >= error[field.near_wall]) > 0.95
+        assert np.mean(field.gradient_error[~field.near_wall] >= error[~field.near_wall]) > 0.99
+    # as above; corners, of which a coarse mesh has many, fall faster
+    assert np.log2(wall[0] / wall[1]) == pytest.approx(2.0, abs=0.4)
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)

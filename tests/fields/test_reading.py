@@ -39,6 +39,7 @@ from fibermelt.fields.field import Field
 from fibermelt.fields.mapping import FieldMap
 from fibermelt.fields.paths import point_seeds, trace_field
 from fibermelt.fields.reading import describe_field, read_field
+from fibermelt.fields.simplices import signed_sizes
 
 ROUNDING = 1e-7
 """Twelve decimals in the file over edges of a tenth, and the fit's condition."""
@@ -528,6 +529,17 @@ def test_a_damaged_hdf5_is_told(tmp_path: Path) -> None:
 def test_a_time_of_a_file_without_times_is_told(tmp_path: Path) -> None:
     field = read_field(fluent(tmp_path, sample(SLIT, 4)), FieldMap(time_step=0.5))
     assert "field.time_step = 0.5 is not looked at: the file has one time" in field.notes
+
+
+def test_points_that_a_file_has_twice_are_joined_once(tmp_path: Path) -> None:
+    """Zones repeat the points between them: of each place one is a node."""
+    data = sample(SLIT, 4)
+    twice = np.concatenate([data.mesh.points, data.mesh.points[::3]])
+    velocity = np.concatenate([data.velocity, data.velocity[::3]])
+    pressure = np.concatenate([data.pressure, data.pressure[::3]])
+    field = read_field(fluent(tmp_path, Sample(Mesh(twice, data.mesh.cells), velocity, pressure)))
+    assert len(field.points) == len(data.mesh.points)
+    assert np.abs(signed_sizes(field.points[:, :2], field.cells)).sum() == pytest.approx(2.0)
 
 
 def test_points_on_a_line_and_in_one_place(tmp_path: Path) -> None:

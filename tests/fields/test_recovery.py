@@ -110,7 +110,7 @@ def test_scatter_of_velocities_is_in_the_estimate() -> None:
     assert 1.0 < np.median(doubt / error) < 3.0
 
 
-def test_values_of_cells_reach_the_nodes_linearly() -> None:
+def test_quadratics_in_cells_reach_the_nodes_exactly() -> None:
     for mesh in (rectangle(5), box(3)):
         n, m = len(mesh.points), len(mesh.cells)
         k = mesh.cells.shape[1]
@@ -118,11 +118,24 @@ def test_values_of_cells_reach_the_nodes_linearly() -> None:
             (np.ones(m * k, dtype=bool), (mesh.cells.ravel(), np.repeat(np.arange(m), k))), (n, m)
         )
         centres = mesh.points[mesh.cells].mean(axis=1)
-        slope = np.array([2.0, -1.0, 0.5])[: k - 1]
-        matrix = cells_to_nodes(mesh.points, centres, member)
-        linear = matrix @ (1 + centres @ slope)
-        # patches are kept from being flat by 1e-12 of their size
-        np.testing.assert_allclose(linear, 1 + mesh.points @ slope, atol=1e-11)
+        known, wanted = (
+            np.column_stack([1 + x @ np.array([2.0, -1.0, 0.5])[: k - 1], x[:, 0] * x[:, 1]])
+            for x in (centres, mesh.points)
+        )
+        found = cells_to_nodes(mesh.points, centres, member, known)
+        # patches are kept from being flat by 1e-12 of their size, fits from rounding by 1e6 of it
+        np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_few_cells_reach_the_nodes_linearly() -> None:
+    """Too few for a quadratic: a plane through those there are."""
+    mesh = rectangle(1)
+    member = csr_array(
+        (np.ones(12, dtype=bool), (mesh.cells.ravel(), np.repeat(np.arange(4), 3))), (6, 4)
+    )
+    centres = mesh.points[mesh.cells].mean(axis=1)
+    found = cells_to_nodes(mesh.points, centres, member, 1 + centres @ [[2.0], [-1.0]])
+    np.testing.assert_allclose(found, 1 + mesh.points @ [[2.0], [-1.0]], atol=1e-11)
 
 
 @pytest.mark.parametrize("shape", [(5, 4, 1), (1, 1, 6)])
@@ -141,13 +154,14 @@ def test_values_of_one_layer_reach_the_nodes_linearly(shape: tuple[int, int, int
     )
     slope = np.where(np.array(shape) > 1, [2.0, -1.0, 0.5], 0.0)
     values = 1 + points @ slope
-    matrix = cells_to_nodes(points @ turn, points[corners].mean(axis=1) @ turn, member)
+    centres = points[corners].mean(axis=1) @ turn
+    found = cells_to_nodes(points @ turn, centres, member, values[corners].mean(axis=1)[:, None])
     # as above
-    np.testing.assert_allclose(matrix @ values[corners].mean(axis=1), values, atol=1e-11)
+    np.testing.assert_allclose(found[:, 0], values, atol=1e-9)
 
 
 def test_one_cell_gives_its_value_to_all_its_nodes() -> None:
     member = csr_array(np.ones((3, 1), dtype=bool))
     points = np.array([[0.0, 0], [1, 0], [0, 1]])
-    matrix = cells_to_nodes(points, points.mean(axis=0)[None], member)
-    np.testing.assert_allclose(matrix @ [7.0], 7.0)
+    found = cells_to_nodes(points, points.mean(axis=0)[None], member, np.array([[7.0]]))
+    np.testing.assert_allclose(found, 7.0)

@@ -153,6 +153,18 @@ def test_a_thinning_melt_holds_the_strain_that_its_flow_has() -> None:
         np.testing.assert_allclose(chosen, present, rtol=0, atol=1e-8 * np.abs(present).max())
 
 
+@pytest.mark.parametrize("order", [6, 10])
+def test_strain_is_held_at_the_points_of_the_order_asked_for(order: int) -> None:
+    """A space of degree p has the rule of order 2 p: of degree 6 it has 49 points, and not 12."""
+    mesh, _ = swell_problem(0.1)
+    everywhere = ng.BitArray(mesh.ne)
+    everywhere.Set()
+    held = HeldStrain(mesh, PowerLaw(1.0, 0.25), ng.CF((0.0,) * 4, dims=(2, 2)), everywhere, order)
+    points = ng.IntegrationRule(ng.ET.TRIG, order).points
+    np.testing.assert_allclose(held.rules[ng.ET.TRIG].points, points, rtol=0, atol=1e-15)
+    assert held.present.shape == (3, mesh.ne * len(points))
+
+
 def test_a_strain_that_is_held_grows_no_further_than_the_flow() -> None:
     """Where the rate grows tenfold the tangent promises a hundredfold, for an index of 0.25."""
     law = PowerLaw(1.0, 0.25, 1e-6)

@@ -12,6 +12,7 @@ from fibermelt.errors import ConvergenceError
 from fibermelt.flow.problem import Deposition, Nozzle
 from fibermelt.flow.streamlines import _first_below, inlet_seeds
 from fibermelt.flow.tracing import Rules, follow_lines, trace
+from fibermelt.history import FlowHistory
 from fibermelt.melt import Newtonian
 
 TOLERANCE = 1e-9
@@ -102,15 +103,32 @@ def test_seeds_share_the_flux_equally(count: int) -> None:
     np.testing.assert_allclose(np.diff(fraction), 1 / count)
 
 
+def falling(*height: float) -> FlowHistory:
+    """Return a line through points at these heights, a second apart."""
+    n = len(height)
+    position = np.stack([np.zeros(n), height], axis=-1)
+    return FlowHistory(
+        np.arange(float(n)), position, np.ones((n, 2)), np.zeros((n, 2, 2)), np.zeros(n)
+    )
+
+
 def test_when_a_line_passes_a_height() -> None:
-    time, height = np.arange(5.0), np.array([4.0, 3.0, 1.0, 2.5, 0.0])
-    assert _first_below(height, time, 2.0) == 1.5
-    assert _first_below(height, time, 3.0) == 1.0
-    assert _first_below(height, time, 0.0) == 4.0
+    line = falling(4.0, 3.0, 1.0, 2.5, 0.0)
+    assert _first_below(line, 2.0) == 1.5
+    assert _first_below(line, 3.0) == 1.0
+    assert _first_below(line, 0.0) == 4.0
 
 
-@pytest.mark.parametrize("level", [5.0, -1.0])
+@pytest.mark.parametrize("level", [5.0, 4.0, -1.0])
 def test_a_line_that_never_passes_a_height(level: float) -> None:
     # the first point was once taken for the last one's neighbour
     with pytest.raises(ConvergenceError, match=r"take more streamlines\.points"):
-        _first_below(np.array([4.0, 3.0, 0.0]), np.arange(3.0), level)
+        _first_below(falling(4.0, 3.0, 0.0), level)
+
+
+def test_when_paths_cross_a_plane() -> None:
+    """Either way, at once where a path begins in it, and never."""
+    lines = FlowHistory.stack([falling(4.0, 2.0, 0.0), falling(0.0, 1.0, 4.0), falling(3, 5, 6)])
+    assert lines.time_across(1, 3.0) == pytest.approx([0.5, 1.0 + 2.0 / 3.0, 0.0], rel=1e-15)
+    assert np.isnan(lines.time_across(1, 4.5)).tolist() == [True, True, False]
+    assert lines.time_across(0, 0.0).tolist() == [0.0, 0.0, 0.0]

@@ -11,12 +11,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.toml import as_toml
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.parts.melt.cards import load_card
-from fibermelt.parts.variables import labelled
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.stages import assess_bead
+from fibermelt.study.quantities import QUANTITIES
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ LEVELS = np.array([0.05, 0.5, 0.95])
 def made_up(count: int = 22, angles: int = 5, points: int = 120) -> xr.Dataset:
     """Return results with every variable that the figures read."""
     lines = _streamlines(count, points)
-    bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell())
+    bead = labelled(_flow() | lines | _fibers(lines, angles) | _cell(), QUANTITIES)
     return with_voids(bead).assign_attrs(config=CONFIG)
 
 

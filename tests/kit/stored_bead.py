@@ -13,15 +13,16 @@ from drawn_bead import ASPECT, made_up
 from fibermelt.engine.files import write_through
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import publish
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.schema import SCHEMA
 from fibermelt.engine.store import Store
 from fibermelt.engine.tables import Tables
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.paper.claims.conditions import conditions_of
 from fibermelt.parts.bead.summary import summarize_bead
-from fibermelt.parts.variables import labelled
 from fibermelt.report.page.figures import draw_figures
 from fibermelt.study.config import Config
+from fibermelt.study.quantities import QUANTITIES
 
 CLAIMS = [
     {
@@ -63,7 +64,9 @@ def stored_results(
         "tip_pressure": 2 * ASPECT,
         "tip_pressure_error": 1e-4,
     }
-    results = bare.assign(labelled({name: more[name] for name in more if name not in bare}))
+    results = bare.assign(
+        labelled({name: more[name] for name in more if name not in bare}, QUANTITIES)
+    )
     study = config or Config()
     results.attrs = {
         "title": f"fibermelt study {name}",

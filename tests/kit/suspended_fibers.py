@@ -8,11 +8,12 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.fiber.shape import jeffery_factor
 from fibermelt.parts.interaction.stages import content_stage, interaction_stage
 from fibermelt.parts.orientation.stages import orientation_stage
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 
 PARAMETERS: dict[str, Any] = {
     "fiber.aspect_ratio": 6.0,
@@ -62,7 +63,8 @@ def stalled(aspect_ratio: float = 6.0) -> xr.Dataset:
             "stall_shape_factor_error": 1e-3,
             "stall_aspect_ratio": aspect_ratio,
             "largest_stalling_domain": 5.29,
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -8,12 +8,13 @@ import numpy as np
 import xarray as xr
 from drawn_bead import made_up
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.paper.dimensions import part as dimensions
 from fibermelt.paper.dimensions.stages import dimensions_stage
 from fibermelt.paper.orbits import part as orbits
 from fibermelt.paper.orbits.stages import orbits_stage
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 
 PARAMETERS: dict[str, Any] = {
     "sensitivity.aspect_ratios": (1.0, 6.0, 10.0),
@@ -54,7 +55,9 @@ def turned(**changes: Any) -> xr.Dataset:
 def compared(count: int = 22, model: str = "ellipse", **changes: Any) -> xr.Dataset:
     """Return results of "dimensions" on the streamlines of the made-up bead."""
     values = PARAMETERS | {f"sensitivity.{name}": value for name, value in changes.items()}
-    cell = labelled({"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]})
+    cell = labelled(
+        {"fiber_model": model, "aspect_ratio": values["fiber.aspect_ratio"]}, QUANTITIES
+    )
     inputs = {"streamlines": made_up(count, points=60), "cell": cell}
     parameters = declared(dimensions.PART.brings[0].parameters, values)
     return dimensions_stage(parameters, inputs, quiet)

@@ -13,7 +13,7 @@ from fibermelt.engine.parameters import flatten
 from fibermelt.engine.stages import Parameters
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.paper.claims.conditions import conditions_of
-from fibermelt.paper.claims.judge import QUANTITIES, Claim, Judgement, claims, measured
+from fibermelt.paper.claims.judge import MEASURES, Claim, Judgement, claims, measured
 from fibermelt.paper.claims.judge import judge as judged
 from fibermelt.paper.claims.part import PART, STAGES_OF
 from fibermelt.paper.claims.stages import claims_stage
@@ -41,7 +41,7 @@ def results():
 
 def test_every_claim_has_its_quantity_and_every_quantity_its_claim():
     assert len(EVERY) == len(claims())
-    assert {claim.quantity for claim in claims()} == set(QUANTITIES)
+    assert {claim.quantity for claim in claims()} == set(MEASURES)
 
 
 @pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)

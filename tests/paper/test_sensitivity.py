@@ -240,10 +240,11 @@ def test_feature_streamlines() -> None:
 
 def test_the_studys_own_cell_is_taken() -> None:
     """A confined fiber that the study solved already is not solved again, nor differently."""
+    from fibermelt.engine.quantities import labelled  # noqa: PLC0415
     from fibermelt.fiber import unbounded_ellipse  # noqa: PLC0415  stands in for a cell
     from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
     from fibermelt.paper.dimensions.stages import fiber_models  # noqa: PLC0415
-    from fibermelt.parts.variables import labelled  # noqa: PLC0415
+    from fibermelt.study.quantities import QUANTITIES  # noqa: PLC0415
 
     response = unbounded_ellipse(Ellipse(1.0, 6.0))
     cell = labelled(
@@ -253,7 +254,8 @@ def test_the_studys_own_cell_is_taken() -> None:
             "shape_factor": 1.25,
             "surface_angle": response.surface,
             "surface_basis": response.basis,
-        }
+        },
+        QUANTITIES,
     )
     models = fiber_models(Parameters(PARAMETERS), cell, 4.0)
     assert [model.name for model in models] == ["confined-ellipse", "ellipse", "spheroid"]

@@ -5,31 +5,16 @@ from dataclasses import astuple
 import pytest
 
 from fibermelt.engine.files import canonical, digest
-from fibermelt.engine.netcdf import from_bytes, to_bytes
 from fibermelt.engine.stages import keys, stage_parameters
 from fibermelt.engine.toml import defaults_toml
-from fibermelt.errors import StoreError
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.population import ISOTROPIC_COUNT
 from fibermelt.paper.claims.judge import claims
 from fibermelt.paper.claims.printed import printed_periods
-from fibermelt.paper.claims.variables import CLAIM_VARIABLES
-from fibermelt.paper.orbits.variables import SENSITIVITY_VARIABLES
-from fibermelt.parts.bead.variables import BEAD_VARIABLES
-from fibermelt.parts.orientation.variables import ORIENTATION_VARIABLES
-from fibermelt.parts.thinning.variables import EFFECT_VARIABLES
-from fibermelt.parts.variables import VARIABLES, labelled
-from fibermelt.parts.verification.variables import VERIFICATION_VARIABLES
-from fibermelt.parts.voids.variables import VOID_VARIABLES
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.config import Config
 from fibermelt.study.loading import load_study, preset_names, resolve
-from fibermelt.units import parse
 
-TABLES = (
-    *(BEAD_VARIABLES, CLAIM_VARIABLES, ORIENTATION_VARIABLES, SENSITIVITY_VARIABLES),
-    *(VOID_VARIABLES, VERIFICATION_VARIABLES, EFFECT_VARIABLES),
-)
 DEFAULTS = resolve({}).values()
 NOT_OF_THE_FIBER = {"flow", "field", "streamlines", "verification"}
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - NOT_OF_THE_FIBER
@@ -44,11 +29,6 @@ def test_every_parameter_is_read_by_a_stage():
     resolved = {key for key in DEFAULTS if key.startswith("melt.")}
     assert read - resolved == set(DEFAULTS) - resolved - {"study.parts"}
     assert read & resolved == {"melt.temperature", "melt.density"}
-
-
-def test_no_variable_is_declared_by_two_parts():
-    """Merged, one of the two would hide the other."""
-    assert len(VARIABLES) == sum(map(len, TABLES))
 
 
 def _read_of_facts():
@@ -132,39 +112,6 @@ def test_a_study_and_the_cell_have_the_same_default():
     assert DEFAULTS["numerics.isotropic_angles"] == ISOTROPIC_COUNT
 
 
-@pytest.mark.parametrize("name", VARIABLES)
-def test_every_variable_has_a_unit_that_exists(name):
-    dimensions, unit, long_name = VARIABLES[name]
-    assert long_name
-    assert name not in dimensions.split() or dimensions == name
-    assert unit == "1" or parse(f"1 {unit}", unit) == 1
-
-
-def test_labelled_arrays_survive_the_file():
-    before = labelled(
-        {"streamline": [1, 2], "zone_time": [[0.1, 0.2, 0.3]] * 2, "bead_height": 3e-3}
-    )
-    after = from_bytes(to_bytes(before))
-    assert after.identical(before)
-
-
-def test_an_undeclared_variable_is_refused():
-    with pytest.raises(StoreError, match="variable gapp is not declared"):
-        labelled({"gapp": 1.0})
-
-
-def test_a_wrong_shape_is_refused():
-    with pytest.raises(StoreError, match=r"zone_time has shape \(3,\), declared are"):
-        labelled({"zone_time": [1.0, 2.0, 3.0]})
-
-
-def test_a_variable_without_a_unit_is_refused():
-    dataset = labelled({"bead_height": 3e-3})
-    del dataset["bead_height"].attrs["units"]
-    with pytest.raises(StoreError, match="variable bead_height has no units: give it both"):
-        to_bytes(dataset)
-
-
 def test_a_table_that_no_part_reads_is_told(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text('preset = "paper"\nstudy.parts = ["bead"]\n[voids]\nmoisture = "0.1 %"\n')
@@ -179,6 +126,14 @@ def test_a_table_that_no_part_reads_is_told(tmp_path):
     )
     assert len(CHAIN.unread(load_study("interaction", ["flow.gap=2 mm"]))) == 1
     assert CHAIN.unread(load_study("paper", ['study.parts=["bead"]', "melt.viscosity=1"])) == []
+    path.write_text(
+        'study.parts = ["orbits"]\n[flow]\ngap = "2 mm"\n[streamlines]\ncount = 7\n'
+        '[voids]\nmoisture = "0.1 %"\n'
+    )
+    bead, voids = CHAIN.unread(load_study(str(path)))
+    assert bead.startswith("[flow] and [streamlines] are read by no part of this study")
+    assert bead.endswith('"bead" reads them: name that too, or leave them away')
+    assert voids.startswith("[voids] is read by")
     path.write_text(defaults_toml(Config))
     assert CHAIN.unread(load_study(str(path))) == []
 

@@ -13,6 +13,7 @@ from coarse_runs import COARSE, fibermelt
 from dialects import Sample, fluent, sectionwise
 from exact_flows import Mesh
 
+from fibermelt.parts.bead.stages import stored_path
 from fibermelt.report.kit.scene import read_scene
 
 pytestmark = pytest.mark.end_to_end
@@ -97,6 +98,67 @@ def test_our_own_bead_read_back(direct, tmp_path, dialect):
     assert 'id="figure-paths"' in page or "The paths" in page
 
 
+TURNED = 0.01
+"""Angle [rad] by which a fiber may lie otherwise at a zone: 0.005 on the coarse mesh."""
+
+STATIONS = """entrance = "y = 9 mm"
+exit = "y = 3 mm"
+end_of_swell = "x = 10 mm"
+"""
+
+
+def at_end_of_swell(known: xr.Dataset) -> np.ndarray:
+    """Return the angles to the streamline where a bead's own streamlines pass x = 10 mm."""
+    path = stored_path(known)
+    when = path.time_across(0, 0.01)
+    away = known["angle"].transpose("streamline", "initial_angle", "point").to_numpy()
+    away = away - path.direction[:, None, :]
+    return np.array(
+        [
+            [np.interp(at, time, one) for one in lines]
+            for at, time, lines in zip(when, path.time, away, strict=True)
+        ]
+    )
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the angles between directions without a head [rad]."""
+    return np.abs(np.angle(np.exp(2j * (one - other)))) / 2
+
+
+def test_stations_give_what_those_of_the_bead_do(direct, tmp_path):
+    """Zones and locations of our own bead read back, its stations named as planes."""
+    known = read(direct)
+    study = STUDY.replace("count = 4\n", f"count = 4\n{STATIONS}")
+    (tmp_path / "study.toml").write_text(study.format(file=direct / "flow.vtu"))
+    done = fibermelt("run", "study.toml", "--out", "out", "--json", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    summary, found = json.loads(done.stdout), read(tmp_path / "out")
+    assert found["zone"].to_numpy().tolist() == [1, 2, 3]
+    assert found["location"].to_numpy().tolist() == [1, 2]
+    regular = known["near_singularity"].to_numpy() == 0
+    for name, zones in (("zone_time", [0, 1]), ("middle_time", ...)):
+        one, other = (each[name].to_numpy()[regular][..., zones] for each in (found, known))
+        assert one == pytest.approx(other, rel=1e-3)
+    dims = ("streamline", "initial_angle", "zone")
+    one, other = (each["zone_angle"].transpose(*dims).to_numpy() for each in (found, known))
+    other = np.dstack([other[..., :2], at_end_of_swell(known)])
+    miss = apart(one, other)[regular]
+    assert miss[..., :2].max() < TURNED
+    assert np.median(miss[..., 2]) < TURNED  # one that is turning there is off by its motion
+    for kind in ("min", "max"):
+        dims = ("streamline", "initial_angle", "location")
+        one, other, error = (
+            each.sel(kind=kind).transpose(*dims).to_numpy()[regular]
+            for each in (found["extreme"], known["extreme"], found["extreme_error"])
+        )
+        assert np.all(np.abs(one - other) < WITHIN * np.abs(other))
+        assert np.all(np.abs(one - other) < error)
+    told = [(one["streamline"], one["zone"]) for one in summary["orientation"]]
+    assert told == [(line, zone) for line in (1, 2, 3, 4) for zone in (1, 2, 3)]
+    assert "Orientation at the zones" in (tmp_path / "out/report.html").read_text()
+
+
 def table(found: xr.Dataset, rows: list[int]) -> str:
     lines = ["path, time [s], x [mm], y [mm], u [mm/s], v [mm/s], pressure, L_xx, L_xy, L_yx, L_yy"]
     for row in rows:
@@ -114,15 +176,21 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
     study = STUDY.partition("[field]")[0].replace('"field"', '"histories"')
     study = study.replace('["bead"]', '["bead", "orientation", "voids"]')
     (tmp_path / "study.toml").write_text(
-        study + '[paths]\nfile = "paths.csv"\n[numerics]\ncell_order = 5\nisotropic_angles = 20\n'
+        f'{study}[paths]\nfile = "paths.csv"\n{STATIONS}'
+        "[numerics]\ncell_order = 5\nisotropic_angles = 20\n"
     )
     done = fibermelt("run", "study.toml", "--out", "out", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "2 as they were given" in done.stdout
     found = read(tmp_path / "out")
-    one = known["extreme"].isel(streamline=[1, 2]).sel(kind="min").min("location")
-    other = found["extreme"].sel(kind="min", location=0)
-    assert other.to_numpy() == pytest.approx(one.transpose(*other.dims).to_numpy(), rel=1e-9)
+    for name in ("extreme", "zone_time", "middle_time", "zone_angle"):
+        one, other = (each.isel(zone=[0, 1])[name] for each in (known, found))
+        one = one.isel(streamline=[1, 2]).transpose(*other.dims)
+        assert other.to_numpy() == pytest.approx(one.to_numpy(), rel=1e-9), name
+    assert not [name for name in found if "void_layer" in name or name == "void_height"]
+    page = (tmp_path / "out/report.html").read_text()
+    assert "Orientation along the paths" in page
+    assert "Orientation in the bead" not in page
 
     (tmp_path / "paths.csv").write_text(table(known, [1]))
     again = fibermelt("run", "study.toml", "--out", "out", folder=tmp_path)
@@ -146,6 +214,12 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
         (["paths.file=nothing.csv"], "nothing.csv: cannot be read"),
         (['flow.source="field"', "field.file=here", 'study.parts=["bead", "claims"]'], "claims"),
         (["paths.count=7"], "paths.count: is not read with flow.source"),
+        (
+            ["flow.source=histories", "paths.file=here", "streamlines.points=300"],
+            "streamlines.points = 300: is not read with flow.source",
+        ),
+        (['paths.exit="y = 3 mm"'], "paths.exit: is not read with flow.source"),
+        (['paths.exit="y + 3 mm"'], 'must be "x", "y" or "z", or such as "y = 2 mm"'),
         (['paths.seeds="points"'], "without paths.points"),
         (['paths.seeds="line"'], "without paths.from"),
         (['paths.from=["1 mm"]'], "give x, y"),

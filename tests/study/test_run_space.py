@@ -84,6 +84,8 @@ def test_fibers_that_are_known_in_a_plane_are_refused(folder):
     done = fibermelt(
         "run",
         "pipe.toml",
+        "--out",
+        "refused",
         "-s",
         "fiber.model=ellipse",
         "-s",
@@ -92,3 +94,6 @@ def test_fibers_that_are_known_in_a_plane_are_refused(folder):
     )
     assert done.returncode != 0
     assert 'say fiber.model = "spheroid" or "ellipsoid"' in " ".join(done.stderr.split())
+    # as soon as the field is known, before a path is traced
+    stored = (folder / "refused/stages").glob("*-*")
+    assert [entry.name.partition("-")[0] for entry in stored] == ["field"]

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Neighbour, stage_parameters
 from fibermelt.errors import ConvergenceError
-from fibermelt.parts.variables import VARIABLES, labelled
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import resolve
+from fibermelt.study.quantities import QUANTITIES
 
 VALUES = resolve({}).values()
 WIDTH = VALUES["flow.capillary_width"]
@@ -84,17 +85,16 @@ BAD = [
 
 NOT_THE_STAGES_OWN = {
     "field_gradient_error": "of nodes where no path may lead: held along the paths",
-    "void_estimates": "names what a material card estimates",
     "effect_inlet_pressure_error": "held by the flow's own bounds within the stage",
     "effect_contact_point_error": "the same",
     "effect_peak_error": "held by the table's own bounds within the stage",
 }
-"""Variables whose meaning speaks of estimates, and why they are no error of a stage."""
+"""Errors that no stage is refused by, and why."""
 
 
 def _begun(name, data, **values):
     (stage,) = (one for one in CHAIN.stages if one.name == name)
-    found = labelled(data)
+    found = labelled(data, QUANTITIES)
     done = replace(stage, compute=lambda *given: found, compute_from=None)
     begun, _ = done.begin(stage_parameters(stage, {**VALUES, **values}), {}, print, None)
     return begun
@@ -119,7 +119,7 @@ def test_what_is_no_number_is_beyond_every_bound(name, variable, value):
 
 def test_what_comes_from_a_neighbour_is_held_to_the_same():
     (stage,) = (one for one in CHAIN.stages if one.name == "flow")
-    bad = labelled({**GOOD["flow"], "heel_error": WIDTH})
+    bad = labelled({**GOOD["flow"], "heel_error": WIDTH}, QUANTITIES)
     done = replace(stage, compute_from=lambda *given: (bad, True))
     parameters = stage_parameters(stage, VALUES)
     with pytest.raises(ConvergenceError, match="heel_error"):
@@ -127,8 +127,8 @@ def test_what_comes_from_a_neighbour_is_held_to_the_same():
 
 
 def test_every_estimated_error_that_is_stored_has_a_bound():
-    told = {name for name, (_, _, meaning) in VARIABLES.items() if "estimate" in meaning}
-    assert told - set(NOT_THE_STAGES_OWN) <= {variable for _, variable, _ in BAD}
+    errors = {one.name for one in QUANTITIES.values() if one.meaning.startswith("estimated ")}
+    assert errors - set(NOT_THE_STAGES_OWN) <= {variable for _, variable, _ in BAD}
 
 
 def test_the_papers_mesh_may_err_as_far_as_it_does():

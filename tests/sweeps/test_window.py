@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from fibermelt.errors import ConfigError
-from fibermelt.parts.voids.variables import VOID_VARIABLES
+from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.report.sweep.window import figure_window, window_words
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
@@ -35,7 +35,7 @@ SLOW_ONLY = [[1e-4, 2e-4, 1.5e-4], [0.0, 0.0, 0.0]]
 
 
 def test_measures_are_variables_of_every_case():
-    assert all(VOID_VARIABLES[name][0] == "" for name in MEASURES)
+    assert all(QUANTITIES[name].dimensions == "" for name in MEASURES)
 
 
 def test_axes_may_come_in_any_order():

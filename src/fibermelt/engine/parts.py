@@ -135,7 +135,7 @@ class Chain:
         return tuple(found.values())
 
     def unread(self, study: Study) -> list[str]:
-        """Return a line for each table that a study has, or varies, and none of its parts reads.
+        """Return the tables that a study has, or varies, and none of its parts reads, in lines.
 
         What has every table is a resolved copy or the defaults: nobody chose its tables.
         """
@@ -146,18 +146,21 @@ class Chain:
         ]
         tables = dict.fromkeys([*(() if is_copy else study.own), *varied])
         asked = ", ".join(f'"{name}"' for name in parts)
-        lines = []
+        idle: dict[str, list[str]] = {}
         for table in tables:
             readers = [
                 part.name for part in self.parts if table in self._tables([part.name], values)
             ]
             # What names the parts is read, whoever they are.
             if table != "study" and readers and table not in self._tables(parts, values):
-                lines.append(
-                    f"[{table}] is read by no part of this study, study.parts = [{asked}]: "
-                    f'"{readers[0]}" reads it: name that too, or leave it away'
-                )
-        return lines
+                idle.setdefault(readers[0], []).append(f"[{table}]")
+        return [
+            f"{' and '.join(filter(None, [', '.join(names[:-1]), names[-1]]))} "
+            f"{'is' if len(names) == 1 else 'are'} read by no part of this study, study.parts = "
+            f'[{asked}]: "{reader}" reads {"it" if len(names) == 1 else "them"}: name that too, or '
+            f"leave {'it' if len(names) == 1 else 'them'} away"
+            for reader, names in idle.items()
+        ]
 
     def _tables(self, names: Collection[str], values: Mapping[str, Value]) -> set[str]:
         """Return the tables that the stages of some parts read."""

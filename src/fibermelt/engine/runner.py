@@ -143,7 +143,7 @@ class _Run:
             return summary
         data: dict[str, xr.Dataset] = {}
         cost: dict[str, float] = {}
-        for stage in stages:
+        for number, stage in enumerate(stages, 1):
             record = found.get(stage.name)
             if record is not None:
                 data[stage.name] = store.load(record)
@@ -154,6 +154,9 @@ class _Run:
                 # What is damaged is not in what was found: it makes room, as all does afresh.
                 record = store.save(record, data[stage.name], replace=stage.name not in found)
                 self.observer.done(stage.name, f"done in {record.cost:.1f} s")
+            for later in stages[number:]:
+                asked = Parameters(stage_parameters(later, values))
+                named(later.foresee)(asked, stage.name, data[stage.name])
             cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
         return self._publish(store, key, data, cost)
 

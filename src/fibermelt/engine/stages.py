@@ -127,6 +127,10 @@ def _no_estimates(parameters: Parameters, data: xr.Dataset) -> tuple[Estimate, .
     return ()
 
 
+def _no_refusal(parameters: Parameters, name: str, data: xr.Dataset) -> None:
+    """Refuse nothing: most stages have an answer whatever comes before them."""
+
+
 def _none(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return no stage: most have the same inputs in every study."""
     return ()
@@ -174,6 +178,9 @@ class Stage:
     estimates : callable, optional
         From its parameters and its data to the errors that it estimates: data with one beyond its
         bound are no answer, and are neither used nor stored.
+    foresee : callable, optional
+        From its parameters, and the name and data of a stage before it: raises ``ConfigError``
+        where it will have no answer, before what lies between is computed.
     """
 
     name: str
@@ -187,6 +194,7 @@ class Stage:
     compute_from: ComputeFrom | str | None = None
     but_for_scale: Callable[[Mapping[str, Any]], Mapping[str, Any]] | str = dict
     estimates: Callable[[Parameters, xr.Dataset], tuple[Estimate, ...]] | str = _no_estimates
+    foresee: Callable[[Parameters, str, xr.Dataset], None] | str = _no_refusal
 
     @property
     def heading(self) -> str:

@@ -207,9 +207,9 @@ def surface_pressure(
     phase = double[..., None, :] - 2.0 * motion.angle
     if isinstance(response, ThinningResponse):
         rate = 2.0 * size
-        lowest = response.lowest_at(rate[..., None, :], phase) * amplitude[..., None, :]
-        highest = response.lowest_at(rate[..., None, :], phase + np.pi)
-        highest *= -amplitude[..., None, :]
+        lowest, highest = response.both_at(rate, phase)
+        lowest *= amplitude[..., None, :]
+        highest *= amplitude[..., None, :]
         return ThinningPressure(lowest, highest, phase, amplitude, rate, response, path)
     lowest, highest = response.support.both(phase)
     lowest *= amplitude[..., None, :]

@@ -43,6 +43,9 @@ PER_DECADE = 48
 """Intervals of the rate in a decade between which extremes are linear, off by 1e-4 at most: laws
 bend over decades. The cubic between the rates that were solved for is read there."""
 
+BLOCK = 1 << 14
+"""Fibers times points that are read at a time: their arrays then stay in the cache."""
+
 JUMP = 0.3
 """Change of place [rad] between two directions that is a jump: the extreme itself moves on by
 less."""
@@ -131,9 +134,12 @@ class SpinSeries:
     def __call__(self, phase: Array) -> Array:
         """Return ``omega`` [-] at angles that broadcast with the rates (Clenshaw's sum)."""
         sine = np.sin(phase)
+        if len(self.coefficients) == 1:
+            return np.asarray(self.coefficients[0] * sine)
         twice = 2.0 - 4.0 * sine * sine  # 2 cos 2 phi
-        last, before, spare = (np.zeros_like(sine) for _ in range(3))
-        for b in self.coefficients[:0:-1]:
+        last, before, spare = (np.empty_like(sine) for _ in range(3))
+        last[...], before[...] = self.coefficients[-1], 0.0
+        for b in self.coefficients[-2:0:-1]:
             np.multiply(twice, last, out=spare)  # b + twice last - before, in place
             spare += b
             spare -= before
@@ -307,20 +313,40 @@ class ThinningResponse:
         """Return the pressure at the tips over ``eta d`` [-]; shapes broadcast."""
         return self._read(self._table[2], rate, phase)
 
+    def both_at(self, rate: Array, phase: Array) -> tuple[Array, Array]:
+        """Return lowest and highest pressure over ``eta d`` [-], (..., a, n).
+
+        As `lowest_at` of a phase and of the opposite one, which lies as far from the other end of
+        the table: both are read with one look. Some fibers are taken at a time.
+
+        Parameters
+        ----------
+        rate : (..., n) array
+            ``gamma_dot`` [1/s] along paths.
+        phase : (..., a, n) array
+            ``phi`` [rad] of ``a`` fibers on each.
+        """
+        table = self._table[0]
+        row = self._row(rate, len(table)).reshape(-1, phase.shape[-1])
+        found = np.empty((2, *phase.shape))
+        values = found.reshape(2, len(row), -1, phase.shape[-1])
+        step = max(1, BLOCK // max(1, phase.shape[-1]))
+        for line, phases in enumerate(phase.reshape(values.shape[1:])):
+            for first in range(0, len(phases), step):
+                some = slice(first, first + step)
+                at = _Place.of(row[line], phases[some], *table.shape)
+                values[0, line, some] = at.read(table)
+                values[1, line, some] = at.read(self._opposite)
+        return found[0], found[1]
+
+    @cached_property
+    def _opposite(self) -> Array:
+        """Return the highest pressure over (fine rate, phi in [0, pi])."""
+        return np.ascontiguousarray(-self._table[0][:, ::-1])
+
     def _read(self, table: Array, rate: float | Array, phase: float | Array) -> Array:
         """Return a table's values, linear between its knots; even in the phase."""
-        row, (left, part, _) = self._row(rate, len(table)), _fold(phase, table.shape[1])
-        upper = np.minimum(row.astype(np.intp), max(len(table) - 2, 0))
-        weight = row - upper
-        flat, width = table.ravel(), table.shape[1]
-        at = upper * width + left
-        value = (1.0 - part) * flat[at] + part * flat[at + 1]
-        if len(table) > 1:
-            at = at + width
-            value = (1.0 - weight) * value + weight * (
-                (1.0 - part) * flat[at] + part * flat[at + 1]
-            )
-        return np.asarray(value)
+        return _Place.of(self._row(rate, len(table)), phase, *table.shape).read(table)
 
     def where_lowest_at(self, rate: float | Array, phase: float | Array) -> Array:
         """Return the eccentric angle [rad] of the lowest pressure, in (-pi/2, pi/2], 0 the tip.
@@ -328,7 +354,8 @@ class ThinningResponse:
         That of the nearest knot: places jump where two are as low.
         """
         table = self._table[1]
-        row, (left, part, sign) = self._row(rate, len(table)), _fold(phase, table.shape[1])
+        row, (left, part) = self._row(rate, len(table)), _fold(phase, table.shape[1])
+        sign = np.where(_turned(phase) < 0.0, -1.0, 1.0)
         return np.asarray(sign * table[np.rint(row).astype(np.intp), left + (part > 0.5)])
 
     def bounds(self, rate: float | Array) -> tuple[Array, Array]:
@@ -453,10 +480,49 @@ def _spline(x: Array, values: Array) -> Any:
     return lambda at: values[0] + ((at - x[0]) / (x[1] - x[0]))[..., None] * (values[1] - values[0])
 
 
-def _fold(phase: float | Array, width: int) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the knot left of a phase folded to [0, pi], the part of the way, its sign."""
+def _turned(phase: float | Array) -> Array:
+    """Return a phase [rad] within half a turn of zero."""
     turned = np.asarray(phase, dtype=np.float64)
-    turned = turned - 2.0 * np.pi * np.rint(turned / (2.0 * np.pi))
-    at = np.abs(turned) * ((width - 1) / np.pi)
+    return np.asarray(turned - 2.0 * np.pi * np.rint(turned / (2.0 * np.pi)))
+
+
+def _fold(phase: float | Array, width: int) -> tuple[NDArray[np.intp], Array]:
+    """Return the knot left of a phase folded to [0, pi], and the part of the way to the next."""
+    at = np.abs(_turned(phase)) * ((width - 1) / np.pi)
     left = np.minimum(at.astype(np.intp), width - 2)
-    return left, at - left, np.where(turned < 0.0, -1.0, 1.0)
+    return left, at - left
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where rates and phases lie in a table.
+
+    At the knot ``at``, counted row by row, and as a ``part`` of the way to the next phase and a
+    ``weight`` of the next rate.
+    """
+
+    at: NDArray[np.intp]
+    part: Array
+    weight: Array
+
+    @classmethod
+    def of(cls, row: Array, phase: float | Array, rows: int, width: int) -> _Place:
+        """Return the place of rows and phases [rad], whose shapes broadcast."""
+        upper = np.minimum(row.astype(np.intp), max(rows - 2, 0))
+        left, part = _fold(phase, width)
+        return cls(upper * width + left, part, row - upper)
+
+    def read(self, table: Array) -> Array:
+        """Return a table's values there, linear between its knots."""
+        value = self._between(table.ravel())
+        if len(table) > 1:
+            value += self.weight * (self._between(table[1:].ravel()) - value)
+        return value
+
+    def _between(self, flat: Array) -> Array:
+        """Return values between two phases of a row."""
+        value = flat.take(self.at)
+        after = flat[1:].take(self.at)
+        after -= value
+        after *= self.part
+        return np.asarray(after + value)

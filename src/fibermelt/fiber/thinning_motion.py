@@ -15,7 +15,7 @@ is integrated for the fibers themselves.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,7 @@ is 1e-10 of what an interval turns by off."""
 PAIRS = 1 << 9
 """Intervals that are integrated together: their arrays then stay in the cache."""
 
-BLOCK = 1 << 21
+BLOCK = 1 << 18
 """Values of interpolants that are kept at a time."""
 
 NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0])
@@ -79,19 +79,31 @@ class ThinningMotion:
     ----------
     initial_angles : (n_angles,) array
         Angles at the start [rad].
-    angle, spin : (..., n_angles, n) array
-        Angles [rad], continuous in time, and their rate [1/s].
+    angle : (..., n_angles, n) array
+        Angles [rad], continuous in time.
     substeps : int
         Largest number of steps that an interval took.
     path : FlowHistory
         The path that they were followed along.
+    response : ThinningResponse
+        The fibers' table.
     """
 
     initial_angles: Array
     angle: Array
-    spin: Array
     substeps: int
     path: FlowHistory = field(repr=False)
+    response: ThinningResponse = field(repr=False)
+
+    @cached_property
+    def spin(self) -> Array:
+        """Rate of the angle [1/s], (..., n_angles, n)."""
+        L = self.path.gradient
+        size, double = strain_polar(L)
+        omega = self.response.series(2.0 * size[..., None, :])
+        W = 0.5 * (L[..., 1, 0] - L[..., 0, 1])
+        phase = double[..., None, :] - 2.0 * self.angle
+        return np.asarray(W[..., None, :] + size[..., None, :] * omega(phase))
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +190,7 @@ def follow_thinning(
     for k in range(n - 1):
         if k % block == 0:
             maps = turning.maps(slice(k, k + block))
-        angle[k + 1] = _turned(maps, k % block, angle[k])
+        angle[k + 1] = _turned(maps[k % block], angle[k])
         steep = np.flatnonzero(turning.steep[:, k])
         if steep.size:
             where = np.full(steep.size, k)
@@ -186,12 +198,9 @@ def follow_thinning(
                 turning.melt, steep, where, angle[k, steep], tolerance / (n - 1)
             )
             most = max(most, taken)
-    whole = np.moveaxis(angle, 0, -1).reshape(*lead, initial_angles.size, n)
-    size, double = strain_polar(path.gradient)
-    omega = response.series(2.0 * size[..., None, :])(double[..., None, :] - 2.0 * whole)
-    W = 0.5 * (path.gradient[..., 1, 0] - path.gradient[..., 0, 1])
-    spin = W[..., None, :] + size[..., None, :] * omega
-    return ThinningMotion(initial_angles, whole, spin, most, path)
+    whole = np.ascontiguousarray(np.moveaxis(angle, 0, -1))
+    whole = whole.reshape(*lead, initial_angles.size, n)
+    return ThinningMotion(initial_angles, whole, most, path, response)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,14 +216,18 @@ class _Turning:
     steep: NDArray[np.bool_]
     steps: int
 
-    def maps(self, some: slice) -> tuple[Array, Array]:
-        """Return the turn in some intervals at ``pi j/KNOTS``, and its slope a knot, (m, k, j)."""
-        spectrum = self.spectrum[:, some]
+    def maps(self, some: slice) -> list[tuple[Array, Array]]:
+        """Return the turn in each of some intervals at ``pi j/KNOTS``, and its slope a knot.
+
+        Flat, line after line.
+        """
+        spectrum = np.moveaxis(self.spectrum[:, some], 1, 0)
         wave = 2j * np.arange(spectrum.shape[-1]) * (np.pi / KNOTS)
         value, slope = (
-            KNOTS * np.fft.irfft(part, n=KNOTS, axis=-1) for part in (spectrum, wave * spectrum)
+            KNOTS * np.fft.irfft(part, n=KNOTS, axis=-1).reshape(len(part), -1)
+            for part in (spectrum, wave * spectrum)
         )
-        return value, slope
+        return list(zip(value, slope, strict=True))
 
 
 @lru_cache(maxsize=1)
@@ -239,14 +252,14 @@ def _turning(path: FlowHistory, response: ThinningResponse, tolerance: float) ->
     return _Turning(melt, spectrum.reshape(*shape, -1), steep.reshape(shape), most)
 
 
-def _turned(maps: tuple[Array, Array], k: int, angle: Array) -> Array:
-    """Return angles (m, a) behind the k-th interval, by a cubic between knots."""
+def _turned(maps: tuple[Array, Array], angle: Array) -> Array:
+    """Return angles (m, a) behind an interval, by a cubic between knots."""
     at = angle * (KNOTS / np.pi)
     left = np.floor(at)
     u = at - left
-    knot = left.astype(np.intp) % KNOTS
-    line = np.arange(len(angle))[:, None]
-    (v, w), (s, t) = ((part[line, k, knot], part[line, k, (knot + 1) % KNOTS]) for part in maps)
+    knot, line = left.astype(np.intp), KNOTS * np.arange(len(angle))[:, None]
+    ends = [line + (knot + k) % KNOTS for k in (0, 1)]
+    (v, w), (s, t) = ([part.take(end) for end in ends] for part in maps)
     bend, twist = 3.0 * (w - v) - 2.0 * s - t, s + t - 2.0 * (w - v)
     return np.asarray(angle + v + u * (s + u * (bend + u * twist)))
 

@@ -23,6 +23,10 @@ LONGEST = 2.2
 """Longest edge of a cell over the edges usual at its corners: the diagonal of a cube is 1.7, a
 grading of a third from cell to cell adds to it."""
 
+JITTER = 1e-9
+"""Parts of the extent by which points are moved before they are joined: of a grid any cube's
+corners lie on one sphere, and to settle that takes twice the time. A layer at a wall has 1e-6."""
+
 SLIVER = 1e-4
 """Area or volume over the longest edge to its power, below which a cell is a sliver: four points of
 a cube's face that rounding joined; 0.118 is a regular tetrahedron's."""
@@ -40,19 +44,25 @@ def joined(points: Array) -> tuple[Index, str]:
         If the points span no area or volume.
     """
     d = points.shape[1]
-    scale = points.max(axis=0) - points.min(axis=0)
+    low = points.min(axis=0)
+    scale = points.max(axis=0) - low
+    # of points in one place the first
+    place, first = np.unique(points, axis=0, return_index=True)
+    moved = JITTER * np.random.default_rng(0).uniform(-1.0, 1.0, place.shape)
+    nothing = (
+        f"field.file: {len(points)} points in {d} dimensions span no "
+        f"{'area' if d == 2 else 'volume'}: export the flow's domain, not a line or a boundary"
+    )
     try:
-        cells = Delaunay((points - points.min(axis=0)) / scale.max()).simplices.astype(np.int64)
+        cells = first[Delaunay((place - low) / scale.max() + moved).simplices].astype(np.int64)
     except (QhullError, ValueError, ZeroDivisionError) as error:
-        msg = (
-            f"field.file: {len(points)} points in {d} dimensions span no "
-            f"{'area' if d == 2 else 'volume'}: export the flow's domain, not a line or a boundary"
-        )
-        raise ConfigError(msg) from error
+        raise ConfigError(nothing) from error
     whole = len(cells)
     edges = _edge_lengths(points, cells)
     longest = edges.max(axis=1)
     keep = np.abs(signed_sizes(points, cells)) > SLIVER * longest**d
+    if not keep.any():
+        raise ConfigError(nothing)
     for _ in range(PASSES):
         usual = _usual(cells[keep], edges[keep], len(points))
         at_corners = np.median(usual[cells], axis=1)
@@ -85,11 +95,12 @@ def _usual(cells: Index, edges: Array, count: int) -> Array:
     pairs = _pairs(cells.shape[1] - 1)
     node = np.concatenate([cells[:, end] for pair in pairs for end in pair])
     length = np.repeat(edges, 2, axis=1).T.reshape(-1)
-    order = np.lexsort((length, node))
-    node, length = node[order], length[order]
-    start = np.searchsorted(node, np.arange(count))
+    most = 2.0 * float(length.max(initial=0.0))
+    # one number to sort by: a node's, and of its edges the length
+    key = np.sort(node + length / most)
     number = np.bincount(node, minlength=count)
+    some = np.flatnonzero(number)
+    start = np.searchsorted(key, some)
     usual = np.zeros(count)
-    some = number > 0
-    usual[some] = length[start[some] + number[some] // 2]
+    usual[some] = most * (key[start + number[some] // 2] - some)
     return usual

@@ -44,6 +44,8 @@ class Contents:
         Times that the file has, in its unit; empty of a steady flow.
     notes : tuple of str
         What was done to the data as they were read, in words.
+    from_cells : frozenset of str
+        Arrays that the file has at its cells, and that were taken to the nodes.
     """
 
     format: str
@@ -57,6 +59,7 @@ class Contents:
     axis: str = ""
     times: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+    from_cells: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

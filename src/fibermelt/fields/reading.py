@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from itertools import permutations
 from pathlib import Path
@@ -37,7 +36,7 @@ from fibermelt.fields.simplices import (
     signed_sizes,
     used_only,
 )
-from fibermelt.units import parse
+from fibermelt.units import parse_plane
 
 __all__ = ["FieldContents", "describe_field", "read_field"]
 
@@ -75,15 +74,24 @@ ABSOLUTE = (9e4, 1.1e5)
 """Lowest pressure [Pa] that makes it look absolute: an atmosphere."""
 
 
+OF_CELLS = 2.0
+"""Times the estimate of the gradient's error where velocities were led from cells to nodes: by
+quadratics, whose error is of the order of the estimate, and comes on top of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Raw:
-    """A flow in SI on its way: nodes (n, d), simplices, velocity (n, d), gradient (n, d, d)."""
+    """A flow in SI on its way: nodes (n, d), simplices, velocity (n, d), gradient (n, d, d).
+
+    And whether the velocity was taken from cells to the nodes.
+    """
 
     points: Array
     cells: Index
     velocity: Array
     gradient: Array | None
     scalars: dict[str, Array]
+    from_cells: bool = False
 
     def at(self, nodes: Index, cells: Index) -> _Raw:
         """Return the flow with some of its nodes, and these cells on them."""
@@ -93,6 +101,7 @@ class _Raw:
             self.velocity[nodes],
             None if self.gradient is None else self.gradient[nodes],
             {name: values[nodes] for name, values in self.scalars.items()},
+            self.from_cells,
         )
 
     def with_cells(self, cells: Index) -> _Raw:
@@ -403,12 +412,14 @@ def _in_si(contents: Contents, wanted: FieldMap, notes: list[str]) -> _Raw:
                 f"the lowest pressure is {lowest:.6g} Pa: if it is absolute, say "
                 'field.pressure_zero = "101325 Pa"'
             )
+    named = {roles["velocity"], *(name.strip() for name in roles["velocity"].split(","))}
     return _Raw(
         np.asarray(contents.points, dtype=np.float64) * scale.factor,
         np.empty((0, width + 1), dtype=np.int64),
         velocity[:, :width],
         gradient,
         values,
+        from_cells=bool(named & contents.from_cells),
     )
 
 
@@ -515,11 +526,11 @@ def _swapped(raw: _Raw) -> _Raw:
 
 def _plane(text: str, raw: _Raw, wanted: FieldMap, axis: str) -> tuple[int, float, str]:
     """Return direction, place and text of a plane of symmetry such as ``y`` or ``y = 2 mm``."""
-    match = re.fullmatch(r"\s*([xyz])\s*(?:=\s*(.+?)\s*)?", text)
-    if match is None:
-        msg = f'field.mirror = "{legible(text)}": must be "x", "y" or "z", or such as "y = 2 mm"'
-        raise ConfigError(msg)
-    direction = "xyz".index(match.group(1))
+    try:
+        direction, place = parse_plane(text)
+    except ConfigError as error:
+        msg = f'field.mirror = "{legible(text)}": {error}'
+        raise ConfigError(msg) from error
     if direction >= raw.points.shape[1]:
         msg = f'field.mirror = "{legible(text)}": the field is planar, it has no z'
         raise ConfigError(msg)
@@ -529,11 +540,6 @@ def _plane(text: str, raw: _Raw, wanted: FieldMap, axis: str) -> tuple[int, floa
             "around it; leave the plane away"
         )
         raise ConfigError(msg)
-    try:
-        place = parse(match.group(2), "m") if match.group(2) else 0.0
-    except ConfigError as error:
-        msg = f'field.mirror = "{legible(text)}" {error}'
-        raise ConfigError(msg) from error
     return 1 - direction if axis == "y" else direction, place, text
 
 
@@ -574,6 +580,7 @@ def _mirrored(raw: _Raw, direction: int, place: float, text: str = "") -> _Raw:
         np.concatenate([raw.velocity, raw.velocity[other] * sign]),
         gradient,
         {name: np.concatenate([v, v[other]]) for name, v in raw.scalars.items()},
+        raw.from_cells,
     )
 
 
@@ -609,7 +616,7 @@ def _field(raw: _Raw, geometry: Geometry, notes: list[str]) -> Field:
             around = _mirrored(raw, 1, 0.0)
             raw = around.at(np.arange(n), raw.cells)
     slope, doubt = recovered_gradient(around.points, around.cells, around.velocity)
-    slope, doubt = slope[:n], doubt[:n]
+    slope, doubt = slope[:n], doubt[:n] * (OF_CELLS if raw.from_cells else 1.0)
     if raw.gradient is not None:
         slope, apart = _from_file(raw.gradient, slope, notes)
         # between nodes the file's is no better known than the recovered one

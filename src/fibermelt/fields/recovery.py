@@ -10,13 +10,11 @@ SIAM J. Sci. Comput. 26, 1192 (doi:10.1137/S1064827503402837), with quadratics w
 
 from __future__ import annotations
 
-from itertools import combinations_with_replacement
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from fibermelt.fields.patches import own_axes, padded
+from fibermelt.fields.patches import batches, inverse_normal, monomials, own_axes, padded
 from fibermelt.fields.simplices import adjacency, facets
 
 __all__ = ["recovered_gradient"]
@@ -38,36 +36,14 @@ WORST_CONDITION = 1e9
 """Of the cubic's normal matrix, in the patch's own axes: 1e3 to 1e6 on good patches; above, the
 nodes lie on a cubic."""
 
-ROWS, ENTRIES = 20_000, 2_000_000
-"""Nodes whose patches are gathered at once, numbers of a batch of fits: 16 MB an array."""
-
-
-def _monomials(y: Array) -> Array:
-    """Return the products of one to three coordinates (b, d, k) as rows (b, q, k), in that order.
-
-    d, then d (d + 1) / 2, then the cubic ones: what a fit of lower degree takes comes first.
-    """
-    b, d, k = y.shape
-    axes = [item for n in (1, 2, 3) for item in combinations_with_replacement(range(d), n)]
-    place = {item: number for number, item in enumerate(axes)}
-    rows = np.empty((b, len(axes), k))
-    rows[:, :d] = y
-    for number, item in enumerate(axes[d:], start=d):
-        np.multiply(rows[:, place[item[:-1]]], y[:, item[-1]], out=rows[:, number])
-    return rows
+ROWS = 20_000
+"""Nodes whose patches are gathered at once."""
 
 
 def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array, Array]:
-    """Return coefficients (b, q, c) of weighted fits, the inverse of the normal matrix, conditions.
-
-    A condition is a bound: the product of both traces.
-    """
+    """Return coefficients (b, q, c) of weighted fits, inverse normal matrices, and conditions."""
     weighted = basis * weight[:, None]
-    normal = weighted @ basis.swapaxes(1, 2)
-    size = np.trace(normal, axis1=1, axis2=2)
-    normal += np.finfo(float).eps * size[:, None, None] * np.eye(normal.shape[-1])
-    inverse = np.asarray(np.linalg.inv(normal), dtype=np.float64)
-    condition = size * np.trace(inverse, axis1=1, axis2=2)
+    inverse, condition = inverse_normal(weighted @ basis.swapaxes(1, 2))
     return inverse @ (weighted @ rise), inverse, condition
 
 
@@ -92,19 +68,6 @@ def _scatter(left: Array, weight: Array, count: Array, inverse: Array, axes: Arr
     variance = np.einsum("bk,bkc->b", weight, left**2) / (weight.sum(axis=1) * spare)
     spread = np.einsum("bij,bik,bkj->b", axes, inverse[:, :d, :d], axes)
     return np.asarray(np.sqrt(variance * np.abs(spread)))
-
-
-def _batches(pattern: csr_array, coefficients: int) -> list[Index]:
-    """Return the rows of patches in batches of nearly equal length, short enough for memory."""
-    length = np.diff(pattern.indptr)
-    order = np.argsort(length, kind="stable")
-    starts, used = [0], 0
-    for place, row in enumerate(order):
-        used += int(length[row]) * coefficients
-        if used > ENTRIES:
-            starts.append(place)
-            used = int(length[row]) * coefficients
-    return [part for part in np.split(order, starts[1:]) if part.size]
 
 
 def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Array, Array]:
@@ -144,7 +107,7 @@ def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Ar
             pattern = joined[rows]
             for _ in range(rings - 1):
                 pattern = pattern @ joined
-            for batch in _batches(pattern, coefficients):
+            for batch in batches(pattern, coefficients):
                 centre = rows[batch]
                 good, slopes, doubt = _patch(
                     points, velocity, centre, pattern[batch], rings == MOST_RINGS
@@ -163,11 +126,12 @@ def _patch(
     # short patches are filled up with the centre, which adds nothing to a fit through it
     around, is_own = padded(pattern, centre)
     length = is_own.sum(axis=1)
-    away = points[around] - points[centre, None]
-    rise = velocity[around] - velocity[centre, None]
+    table = np.column_stack([points, velocity])
+    beyond = np.take(table, around, axis=0) - table[centre, None]
+    away, rise = beyond[..., :d], beyond[..., d:]
     axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
-    basis = _monomials(y)
+    basis = monomials(y, 3)
     near = np.exp(-DECAY / d * np.einsum("bik,bik->bk", y, y))
     cubic, inverse, condition = _fit(basis, rise, near)
     of_two = d + d * (d + 1) // 2

@@ -21,6 +21,7 @@ from fibermelt.flow.problem import Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
 from fibermelt.flow.search import Progress, SurfaceSearch
 from fibermelt.flow.start import StartShape, surfaces_from
+from fibermelt.numerals import measured
 from fibermelt.shown import Shown
 from fibermelt.threads import exclusive
 
@@ -107,12 +108,12 @@ class FlowSolution(Shown):
 
     def told(self) -> dict[str, str]:
         """Return what the flow is known by, with its estimated errors."""
-        pressure, error = 1e-6 * self.inlet_pressure, 1e-6 * self.error.inlet_pressure
-        contact = (1e3 * self.contact_point, 1e3 * self.error.contact_point)
+        pressure = measured(1e-6 * self.inlet_pressure, 1e-6 * self.error.inlet_pressure)
+        contact = measured(1e3 * self.contact_point, 1e3 * self.error.contact_point)
         return {
             "bead height": f"{1e3 * self.bead_height:.4g} mm",
-            "inlet pressure": f"{pressure:.4g} ± {error:.2g} MPa",
-            "contact point": f"{contact[0]:.4g} ± {contact[1]:.2g} mm",
+            "inlet pressure": f"{pressure} MPa",
+            "contact point": f"{contact} mm",
             "triangles": f"{self.elements}",
             "unknowns": f"{self.unknowns}",
             "Newton steps": f"{self.newton_steps}",

@@ -95,24 +95,23 @@ def inlet_seeds(problem: Deposition, count: int) -> tuple[Array, Array]:
     return fraction, inlet.position_at_flux(fraction)
 
 
-def _first_below(height: Array, time: Array, level: float) -> float:
-    """Return the time at which ``height`` first falls to ``level``, linear between points.
+def _first_below(history: FlowHistory, level: float) -> float:
+    """Return the time at which a line first falls to the height ``level`` [m].
 
     Raises
     ------
     ConvergenceError
         If it begins there, or never falls so far: every line from the inlet passes the nozzle.
     """
-    index = int(np.argmax(height <= level))
-    if index == 0:
+    height = history.position[:, 1]
+    when = float(history.time_across(1, level))
+    if height[0] <= level or np.isnan(when):
         msg = (
             f"streamline: no point at y = {level:.4g} m or below after one above (y from "
             f"{height.max():.4g} to {height.min():.4g} m): take more streamlines.points"
         )
         raise ConvergenceError(msg)
-    upper, lower = height[index - 1], height[index]
-    part = (upper - level) / (upper - lower)
-    return float(time[index - 1] + part * (time[index] - time[index - 1]))
+    return when
 
 
 def _settled(history: FlowHistory, bed_speed: float) -> float:
@@ -174,9 +173,8 @@ def trace_streamlines(
     for k, path in enumerate(paths):
         history, psi, error = _history(field, solution.problem.melt, path, points)
         near = np.linalg.norm(history.position[:, None, :2] - corners, axis=2).min()
-        y, time = history.position[:, 1], history.time
         levels = (nozzle.capillary_entrance, nozzle.gap)
-        zones = [_first_below(y, time, level) for level in levels]
+        zones = [_first_below(history, level) for level in levels]
         lines.append(
             Streamline(
                 index=k + 1,
@@ -186,7 +184,7 @@ def trace_streamlines(
                 gradient_error=error,
                 drift=float(np.ptp(psi)) / solution.problem.flux,
                 near_singularity=bool(near < NEAR_SINGULARITY * width),
-                middle_time=_first_below(y, time, nozzle.gap + nozzle.capillary_length / 2),
+                middle_time=_first_below(history, nozzle.gap + nozzle.capillary_length / 2),
                 zone_time=np.array([*zones, _settled(history, solution.problem.bed_speed)]),
             )
         )

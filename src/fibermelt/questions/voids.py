@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.finished import finished_results
+from fibermelt.engine.results import study_of
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.cards import Card, load_card
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import SAME_TEMPERATURE, viscosity_of
-from fibermelt.parts.variables import study_of
 from fibermelt.parts.voids.config import Voids
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
 from fibermelt.parts.voids.part import with_orientation

@@ -2,8 +2,8 @@
 
 Of the results of all stages of a case stays
 
-- every variable whose dimensions are all among `COLLECTED_DIMENSIONS` (a number of the flow, an
-  extreme's bounds and quantiles, a label), as it is;
+- every variable whose dimensions are all few, as their labels are declared to be (a number of the
+  flow, an extreme's bounds and quantiles, a label), as it is;
 - of a variable over the initial angles besides, in Pa or rad, its smallest and largest value and
   its mean over them, as ``<name>_min``, ``<name>_max`` and ``<name>_mean``. An angle of a fiber is
   that of a line, without head and tail: its mean is that of the lines, half the angle of
@@ -20,13 +20,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.study.quantities import QUANTITIES
+
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
 __all__ = [
-    "COLLECTED_DIMENSIONS",
     "COLLECTION",
     "Batch",
     "Kept",
@@ -38,22 +39,18 @@ __all__ = [
 COLLECTION = 2
 """Version of what is kept: raised whenever the same results give other numbers here."""
 
-COLLECTED_DIMENSIONS = frozenset(
-    (
-        *("streamline", "location", "kind", "zone", "quantile", "side", "claim"),
-        *("void_basis", "void_selection", "void_layer"),
-    )
+KEPT, REDUCED = (
+    frozenset(one.name for one in QUANTITIES.values() if one.swept == kind)
+    for kind in ("kept", "reduced")
 )
-"""Dimensions that are few: what has no others is kept."""
+"""Dimensions, by their labels: what has no others is kept; those that extremes and means go over.
+"""
 
-OWN_LABELS = {"void_layer": "void_layer_middle"}
+OWN_LABELS = {one.name: one.kept_as for one in QUANTITIES.values() if one.kept_as}
 """Labels that every case has of its own, and the names under which they are kept as numbers.
 
 As labels they would be united over all cases, which the last digits of the bead's height tell apart
 already: of n cases every array over layers would have n times its size, most of it NaN."""
-
-REDUCED_DIMENSION = "initial_angle"
-"""The dimension over which extremes and means are taken."""
 
 REDUCED_UNITS = ("Pa", "rad")
 """Units of what has a meaning as an extreme or a mean over the fibers."""
@@ -100,13 +97,13 @@ def reduce_results(dataset: xr.Dataset) -> dict[str, Kept]:
         name, dimensions = str(key), tuple(map(str, variable.dims))
         units = str(variable.attrs.get("units", ""))
         long_name = str(variable.attrs.get("long_name", ""))
-        others = set(dimensions) - COLLECTED_DIMENSIONS
+        others = set(dimensions) - KEPT
         if not others:
             own = OWN_LABELS.get(name, name)
             kept[own] = Kept(dimensions, _plain(variable.to_numpy()), units, long_name)
-        elif others == {REDUCED_DIMENSION} and len(dimensions) > 1 and units in REDUCED_UNITS:
-            axis = dimensions.index(REDUCED_DIMENSION)
-            left = tuple(item for item in dimensions if item != REDUCED_DIMENSION)
+        elif len(others) == 1 < len(dimensions) and others <= REDUCED and units in REDUCED_UNITS:
+            axis = dimensions.index(others.pop())
+            left = dimensions[:axis] + dimensions[axis + 1 :]
             values = variable.to_numpy()
             found = {"min": values.min(axis), "max": values.max(axis)}
             found["mean"] = _mean(values, axis, units)

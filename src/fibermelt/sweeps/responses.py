@@ -1,10 +1,13 @@
-"""What a sweep's cases are compared by: a few numbers of each, in units that a person reads."""
+"""What a sweep's cases are compared by: the quantities that it answers with."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from fibermelt.engine.quantities import Quantity
+from fibermelt.study.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -15,9 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Response", "responses_of"]
 
-MM, MPA, PERCENT = 1e3, 1e-6, 100.0
-"""Millimetres in a metre, megapascals in a pascal, hundredths in one."""
-
 SAME = 1e-6
 """Relative range below which a response is the same in all cases: solvers go to 1e-8 or so."""
 
@@ -26,12 +26,6 @@ SAME_STEPS = 10.0
 
 ENOUGH, MOST = 3, 6
 """With fewer responses than this others are looked for, until there are so many."""
-
-NOT_RESPONSES = (
-    *("newton_steps", "unknowns", "elements", "field_order", "cell_unknowns"),
-    *("mass_imbalance", "kinematic_residual", "status", "reason"),
-)
-"""Numbers that tell of the computation, not of the bead or the fiber."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,87 +69,6 @@ class Response:
         return there.size > 1 and bool(np.ptp(there) > self.same * np.max(np.abs(there)))
 
 
-def _plain(name: str) -> Callable[[xr.Dataset], xr.DataArray | None]:
-    """Return the function that looks a variable up."""
-    return lambda collected: collected.get(name)
-
-
-def _lowest_mean(location: int) -> Callable[[xr.Dataset], xr.DataArray | None]:
-    """Return the function that finds the lowest mean extreme at a location.
-
-    Of each streamline that passes no singular corner the lowest surface pressure at the location,
-    mean over the initial angles; of those the lowest.
-    """
-
-    def lowest(collected: xr.Dataset) -> xr.DataArray | None:
-        if not {"extreme_mean", "near_singularity"} <= set(map(str, collected)):
-            return None
-        if not {"location", "kind", "streamline"} <= set(map(str, collected["extreme_mean"].dims)):
-            return None
-        if location not in collected["location"].to_numpy():
-            return None
-        extreme = collected["extreme_mean"].sel(location=location, kind="min")
-        return extreme.where(collected["near_singularity"] == 0).min("streamline")
-
-    return lowest
-
-
-def _moisture(collected: xr.Dataset) -> xr.DataArray | None:
-    """Return the critical moisture; saturation where any moisture that can be is harmless."""
-    if "void_critical_moisture" not in collected:
-        return None
-    worst = collected["void_critical_moisture"]
-    needed = ("void_critical_moisture_mean", "void_saturation_moisture")
-    if not all(name in collected for name in needed):
-        return worst
-    mean, most = (collected[name] for name in needed)
-    return worst.where(~(worst.isnull() & mean.notnull()), most)
-
-
-Find = Callable[["xr.Dataset"], "xr.DataArray | None"]
-
-RESPONSES: tuple[tuple[str, str, str, float, Find], ...] = (
-    ("contact_point", "Contact point", "mm", MM, _plain("contact_point")),
-    ("inlet_pressure", "Inlet pressure", "MPa", MPA, _plain("inlet_pressure")),
-    ("bead_height", "Bead height", "mm", MM, _plain("bead_height")),
-    ("lowest_mean_0", "Lowest mean extreme", "MPa", MPA, _lowest_mean(0)),
-    ("lowest_mean_1", "Lowest mean extreme, Loc. 1", "MPa", MPA, _lowest_mean(1)),
-    ("lowest_mean_2", "Lowest mean extreme, Loc. 2", "MPa", MPA, _lowest_mean(2)),
-    ("void_critical_moisture", "Critical moisture, worst fiber", "%", PERCENT, _moisture),
-    (
-        "void_critical_moisture_mean",
-        "Critical moisture, median fiber",
-        "%",
-        PERCENT,
-        _plain("void_critical_moisture_mean"),
-    ),
-    ("tip_pressure", "Tip pressure over μγ̇", "", 1.0, _plain("tip_pressure")),
-)
-"""Name, title, unit, factor from SI, and where it is found, in the order of the report."""
-
-
-_EXTREME = (
-    "lowest pressure on a fiber's surface, over the melt's, {where} the middle of the capillary: "
-    "the mean over the initial angles, on the streamline where it is lowest"
-)
-
-MEANINGS = {
-    "contact_point": "x of where the upstream surface meets the bed; the nozzle's axis is at 0",
-    "inlet_pressure": "mean over the inlet, over the air's",
-    "lowest_mean_0": _EXTREME.replace(", {where} the middle of the capillary", ""),
-    "lowest_mean_1": _EXTREME.format(where="above"),
-    "lowest_mean_2": _EXTREME.format(where="below"),
-    "void_critical_moisture": (
-        "moisture below which no bubble can grow on a fiber, whatever its direction, wherever it is"
-    ),
-    "void_critical_moisture_mean": (
-        "the same for the median fiber of an isotropic start, the mean by flux over the streamlines"
-    ),
-    "tip_pressure": "largest surface pressure on a fiber in simple shear, over any direction",
-}
-"""What the responses are, where their titles do not say it."""
-
-
 def responses_of(
     collected: xr.Dataset,
     dimensions: Sequence[str],
@@ -164,7 +77,8 @@ def responses_of(
 ) -> tuple[Response, ...]:
     """Return what the cases of a collected sweep are compared by.
 
-    Where it has few of `RESPONSES` other numbers of a case follow, by name, that vary.
+    Those that are declared as responses, in the order of the parts; where it has few of them other
+    numbers of a case follow, by name, that vary.
 
     Parameters
     ----------
@@ -179,11 +93,11 @@ def responses_of(
     """
     same = max(SAME, SAME_STEPS * tolerance)
     found: list[Response] = []
-    for name, title, unit, factor, find in RESPONSES:
-        values = find(collected)
-        if values is not None and set(values.dims) == set(dimensions):
-            numbers = factor * _flat(values, dimensions)
-            found.append(Response(name, title, unit, numbers, MEANINGS.get(name, ""), same))
+    for one in QUANTITIES.values():
+        if one.response:
+            values = one.derive(collected) if one.derive else collected.get(one.name)
+            if values is not None and set(values.dims) == set(dimensions):
+                found.append(_response(one, values, dimensions, same))
     if len([one for one in found if one.varies]) < ENOUGH:
         known = {key.rpartition(".")[2] for key in varied} | {one.name for one in found}
         room = MOST - len(found)
@@ -194,20 +108,29 @@ def responses_of(
 def _others(
     collected: xr.Dataset, dimensions: Sequence[str], known: Collection[str], same: float
 ) -> list[Response]:
-    """Return other numbers of a case that vary, by name."""
+    """Return other numbers of a case that vary, by name; of what is not declared as it is told."""
+    no_answers = {one.name for one in QUANTITIES.values() if one.response is False}
+    no_answers |= {one.error for one in QUANTITIES.values()}
     found = []
     for name in sorted(map(str, collected.data_vars)):
         values = collected[name]
         is_number = values.dtype.kind == "f" and set(values.dims) == set(dimensions)
-        if not is_number or name in known or name in NOT_RESPONSES or name.endswith("_error"):
+        if not is_number or name in known or name in no_answers:
             continue
-        unit = str(values.attrs.get("units", "1"))
-        title = name.replace("_", " ").capitalize()
-        numbers = _flat(values, dimensions)
-        one = Response(name, title, "" if unit == "1" else unit, numbers, same=same)
+        told = Quantity(name, "", str(values.attrs.get("units", "1")), "")
+        one = _response(QUANTITIES.get(name, told), values, dimensions, same)
         if one.varies:
             found.append(one)
     return found
+
+
+def _response(
+    quantity: Quantity, values: xr.DataArray, dimensions: Sequence[str], same: float
+) -> Response:
+    """Return a quantity of the cases as a response, in the unit that it is shown in."""
+    title = quantity.title or quantity.name.replace("_", " ").capitalize()
+    numbers = quantity.factor * _flat(values, dimensions)
+    return Response(quantity.name, title, quantity.shown_unit, numbers, quantity.meaning, same)
 
 
 def _flat(values: xr.DataArray, dimensions: Sequence[str]) -> Array:

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.errors import ConfigError
 from fibermelt.fiber import CellNumerics, Ellipse, FiberModel, unbounded_ellipse
 from fibermelt.melt import PowerLaw
+from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.bead.shape import FiberShape, Sizes
 from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.bead.stages import stored_model
-from fibermelt.parts.variables import labelled
 
 SIZES = Sizes(42e-6, 6.0)
 NUMERICS = CellNumerics(order=3)
@@ -38,7 +39,7 @@ def test_they_are_told_in_the_order_of_their_ranks():
 
 def test_what_is_stored_is_what_was_solved(shape):
     solved = shape.solved(SIZES, 4.0, NUMERICS, lambda line: None)
-    cell = labelled({"fiber_model": shape.name, **solved})
+    cell = labelled({"fiber_model": shape.name, **solved}, QUANTITIES)
     found, model = stored_model(cell), shape.model(SIZES, 4.0, NUMERICS)
     assert found.name == model.name == shape.name
     assert found is stored_model(cell.copy(deep=True))
@@ -51,7 +52,7 @@ def test_what_is_stored_is_what_was_solved(shape):
 def test_a_third_axis_is_stored():
     shape, thin = SHAPES["ellipsoid"], Sizes(1.0, 6.0, 12.0)
     solved = shape.solved(thin, 0.0, None, lambda line: None)
-    found = stored_model(labelled({"fiber_model": "ellipsoid", **solved}))
+    found = stored_model(labelled({"fiber_model": "ellipsoid", **solved}, QUANTITIES))
     assert found.ellipsoid.semi_axes == pytest.approx([1.0, 1 / 6, 1 / 12])
 
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from fibermelt.engine.parts import in_words
+from fibermelt.engine.quantities import labelled
 from fibermelt.parts.bead.summary import bead_in_words, summarize_bead
-from fibermelt.parts.variables import labelled
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
+from fibermelt.study.quantities import QUANTITIES
 
 
 def told(summary):
@@ -56,7 +57,8 @@ def results(zone_angle=(0.1, 0.2, 0.3), stall_angle=0.129):
             "extreme_bounds": np.zeros((1, 2, 2, 2)),
             "extreme_quantiles": np.zeros((1, 2, 2, 3)),
             "zone_angle": np.array(zone_angle)[None, :, None] * np.ones((1, 3, 3)),
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.errors import ConfigError, ConvergenceError
 from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.deposition import LARGEST_ERROR, FlowSolution, solve_deposition
@@ -16,7 +17,7 @@ from fibermelt.flow.search import SurfaceSearch, _chords_end
 from fibermelt.flow.start import StartShape, surfaces_from
 from fibermelt.melt import Newtonian
 from fibermelt.parts.flow.stages import start_from
-from fibermelt.parts.variables import labelled
+from fibermelt.study.quantities import QUANTITIES
 
 pytestmark = pytest.mark.verification
 
@@ -152,7 +153,7 @@ def test_a_start_must_be_the_surfaces_of_a_nozzle(coarse_flow: FlowSolution) -> 
 
 def test_a_start_is_read_from_a_stored_flow(coarse_flow: FlowSolution) -> None:
     names = ("upstream_surface", "downstream_surface")
-    start = start_from(labelled({name: getattr(coarse_flow, name) for name in names}))
+    start = start_from(labelled({name: getattr(coarse_flow, name) for name in names}, QUANTITIES))
     assert start.capillary_width == pytest.approx(3.175e-3, rel=1e-12)
     assert start.gap == pytest.approx(3e-3, rel=1e-12)
     assert start.bead_height == coarse_flow.bead_height

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from suspended_fibers import CELLS, interacting, oriented, parameters, quiet, stalled
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.shape import jeffery_factor
@@ -30,8 +31,8 @@ from fibermelt.parts.interaction.stages import content_stage, stall_stage, store
 from fibermelt.parts.interaction.suspension import DISTRIBUTION, folgar_tucker, preferred_angle
 from fibermelt.parts.orientation.stages import orientation_estimates, orientation_stage
 from fibermelt.parts.orientation.summary import stored_model
-from fibermelt.parts.variables import labelled
 from fibermelt.study.loading import merged, resolve
+from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.axes import Axis
 from fibermelt.sweeps.design import Sweep
 
@@ -64,7 +65,8 @@ def tiny(rate: float = 2.0) -> xr.Dataset:
             "flux_fraction": np.array([0.4, 0.8]),
             "time": time,
             "gradient": gradient,
-        }
+        },
+        QUANTITIES,
     )
 
 

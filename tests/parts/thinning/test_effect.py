@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.errors import ConfigError
 from fibermelt.parts.thinning.figures import figure_thinning, thinning, thinning_words
 from fibermelt.parts.thinning.part import PART
 from fibermelt.parts.thinning.stages import CAUSES
 from fibermelt.parts.thinning.summary import summarize_thinning, thinning_in_words
-from fibermelt.parts.variables import labelled
 from fibermelt.study.loading import resolve
+from fibermelt.study.quantities import QUANTITIES
 from fibermelt.voids import ATMOSPHERE
 
 INDICES = [1.0, 0.5, 0.25]
@@ -45,7 +46,8 @@ def results() -> xr.Dataset:
             "effect_stall_angle": np.where(of_fibers == 1.0, 0.1, np.nan),
             "effect_peak": 10.0 * of_fibers,
             "effect_peak_error": 0.01 * (1.0 - numbers)[:, None] * [1.0, 1.0],
-        }
+        },
+        QUANTITIES,
     )
 
 

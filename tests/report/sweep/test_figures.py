@@ -87,7 +87,7 @@ def test_other_numbers_follow_where_few_are_known_but_no_parameter():
     numbers = {"shape_factor": [0.9, 0.95], "aspect_ratio": [4.0, 6.0], "unknowns": [9.0, 10.0]}
     collected = xr.Dataset({name: ("case", values) for name, values in numbers.items()})
     found = responses_of(collected, ("case",), ["fiber.aspect_ratio"])
-    assert [one.title for one in found] == ["Shape factor"]
+    assert [one.title for one in found] == ["Shape factor B"]
 
 
 def test_a_main_effect_is_the_mean_over_the_other_parameters(tmp_path):

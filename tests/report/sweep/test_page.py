@@ -212,7 +212,7 @@ def test_the_page_says_how_it_was_computed(tmp_path):
     _, words = read(render_sweep(collected, COMPUTED))
     assert "Of 6 results of the stage flow, 2 started from cold and 4 from that of a" in words
     # The contact point is off by a hundredth of the gap [mm]: most in the case before the failed.
-    assert re.search(r"Contact point, from the nozzle's axis 0\.040 −3 mm 5\. gap 4 mm", words)
+    assert re.search(r"Contact point 0\.040 −3 mm 5\. gap 4 mm", words)
     assert "flow 6 60.0 80.5" in words
     # From before it was recorded: no processor time.
     assert "cell 1 – 2.0" in words

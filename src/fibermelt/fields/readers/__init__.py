@@ -8,6 +8,7 @@ from pathlib import Path
 from fibermelt.errors import ConfigError, legible_path
 from fibermelt.fields.contents import Contents, Reader
 from fibermelt.fields.readers import cfdpost, comsol, fluent, starccm, vtk
+from fibermelt.path_table import is_path_table
 
 __all__ = ["READERS", "read_contents"]
 
@@ -54,6 +55,12 @@ def read_contents(path: Path, time_step: float | None = None) -> Contents:
             told = f"field.time_step = {time_step:g} is not looked at: the file has one time"
             return replace(contents, notes=(*contents.notes, told))
     what = "is empty" if not head and path.is_file() else "is in no format that is known"
+    if is_path_table(head):
+        msg = (
+            f"field.file = {legible_path(path)}: is a table of paths, not of a field: say "
+            f'flow.source = "histories" and paths.file = {legible_path(path)}'
+        )
+        raise ConfigError(msg)
     known = ", ".join(reader.format for reader in READERS)
     msg = f"field.file = {legible_path(path)}: {what}; known are {known}"
     raise ConfigError(msg)

@@ -61,7 +61,7 @@ def numbers(path: Path, lines: Sequence[str], columns: int, first: int) -> Array
         If a line has another count or something else: its number, and what it is.
     """
     text = "\n".join(lines)
-    if MISSING.search(text):
+    if any(letter in text for letter in "nNuU") and MISSING.search(text):
         text = MISSING.sub("nan", text)
     try:
         table = np.fromstring(text.replace(",", " ").replace(";", " "), sep=" ")

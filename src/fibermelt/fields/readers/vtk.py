@@ -12,7 +12,7 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -273,6 +273,7 @@ def _contents(path: Path, kind: str, data: Any, times: tuple[float, ...]) -> Con
         file_cells=sum(piece.file_cells for piece in pieces),
         times=times,
         notes=tuple(notes),
+        from_cells=frozenset(name for piece in pieces for name in piece.from_cells),
     )
 
 
@@ -298,12 +299,8 @@ def _piece(path: Path, grid: Any, wanted: frozenset[int]) -> Contents:
     at_cells = {name: values for name, values in at_cells.items() if name not in arrays}
     rows = np.flatnonzero(chosen)
     if at_cells and rows.size:
-        matrix, nodes_of = _to_nodes(points, connectivity, offset, rows)
-        for name, values in at_cells.items():
-            spread = np.full((len(points), *values.shape[1:]), np.nan)
-            spread[nodes_of] = matrix @ values[rows]
-            arrays[name] = spread
-        notes.append("values of cells are taken to the nodes, by a plane through the cells around")
+        arrays |= _to_nodes(points, connectivity, offset, rows, at_cells)
+        notes.append("values of cells are taken to the nodes, by quadratics through those around")
     empty = np.empty((0, 4 if wanted is SOLID else 3), dtype=np.int64)
     return Contents(
         format="",
@@ -312,6 +309,7 @@ def _piece(path: Path, grid: Any, wanted: frozenset[int]) -> Contents:
         cells=np.concatenate([empty, *simplices]),
         file_cells=int(chosen.sum()),
         notes=tuple(notes),
+        from_cells=frozenset(at_cells),
     )
 
 
@@ -366,20 +364,43 @@ def _polyhedra(grid: Any, rows: Index) -> Index:
 
 
 def _to_nodes(
-    points: Array, connectivity: Index, offset: Index, rows: Index
-) -> tuple[csr_array, Index]:
-    """Return the matrix from the values of some cells to nodes, and which nodes these are."""
+    points: Array, connectivity: Index, offset: Index, rows: Index, at_cells: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return the values of some cells at the nodes; NaN at those of cells without a number."""
     sizes = np.diff(offset)[rows]
     node = np.concatenate([connectivity[offset[row] : offset[row + 1]] for row in rows])
     cell = np.repeat(np.arange(len(rows)), sizes)
-    used, number = np.unique(node, return_inverse=True)
-    member = csr_array(
-        (np.ones(len(node), dtype=bool), (number.reshape(-1), cell)), (len(used), len(rows))
-    )
     centres = np.zeros((len(rows), 3))
     np.add.at(centres, cell, points[node])
     centres /= sizes[:, None]
-    return cells_to_nodes(points[used], centres, member), used
+    alike: dict[bytes, list[str]] = {}
+    for name, values in at_cells.items():
+        known = np.isfinite(values[rows]).reshape(len(rows), -1).all(axis=1)
+        alike.setdefault(known.tobytes(), []).append(name)
+    found: dict[str, Array] = {}
+    for mask, names in alike.items():
+        known = np.frombuffer(mask, dtype=bool)
+        beside = np.zeros(len(points), dtype=bool)
+        beside[node[~known[cell]]] = True
+        own = known[cell]
+        used, number = np.unique(node[own], return_inverse=True)
+        place = np.cumsum(known) - 1
+        member = csr_array(
+            (np.ones(int(own.sum()), dtype=bool), (number.reshape(-1), place[cell[own]])),
+            (len(used), int(known.sum())),
+        )
+        values = np.column_stack([at_cells[name][rows[known]] for name in names]).astype(np.float64)
+        spread = np.full((len(points), values.shape[1]), np.nan)
+        if used.size:
+            spread[used] = cells_to_nodes(points[used], centres[known], member, values)
+        spread[beside] = np.nan
+        widths = [1 if at_cells[name].ndim == 1 else at_cells[name].shape[1] for name in names]
+        parts = np.split(spread, np.cumsum(widths)[:-1], axis=1)
+        found |= {
+            name: part[:, 0] if at_cells[name].ndim == 1 else part
+            for name, part in zip(names, parts, strict=True)
+        }
+    return found
 
 
 def _read_xml(path: Path, time_step: float | None) -> Contents:

@@ -1,23 +1,23 @@
-"""What claims on fibers in the bead, section 3, are judged by; see `claims.quantities`."""
+"""What claims on fibers in the bead, section 3, are judged by; see `claims.measures`."""
 
 from __future__ import annotations
 
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.paper.claims.quantities import (
+from fibermelt.engine.results import study_of
+from fibermelt.paper.claims.measures import (
     CENTER,
     LEFT,
     RIGHT,
+    Measure,
     NotStoredError,
-    Quantity,
     needing,
     off_center,
     paper_line,
     rank_correlation,
     regular_lines,
 )
-from fibermelt.parts.variables import study_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BEAD"]
 
-BEAD: dict[str, Quantity] = {}
+BEAD: dict[str, Measure] = {}
 """The quantities of fibers in the bead, by their names."""
 
 needs = partial(needing, BEAD, part="bead")

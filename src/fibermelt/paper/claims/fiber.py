@@ -1,12 +1,12 @@
-"""What claims on single fibers and on suspensions are judged by; see `claims.quantities`."""
+"""What claims on single fibers and on suspensions are judged by; see `claims.measures`."""
 
 from __future__ import annotations
 
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.paper.claims.quantities import NotStoredError, Quantity, needing
-from fibermelt.parts.variables import study_of
+from fibermelt.engine.results import study_of
+from fibermelt.paper.claims.measures import Measure, NotStoredError, needing
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FIBER"]
 
-FIBER: dict[str, Quantity] = {}
+FIBER: dict[str, Measure] = {}
 """The quantities of single fibers and suspensions, by their names."""
 
 orbits = partial(needing, FIBER, part="orbits")

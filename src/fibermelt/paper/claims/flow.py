@@ -1,22 +1,22 @@
-"""What claims on the deposition flow, section 2.1, are judged by; see `claims.quantities`."""
+"""What claims on the deposition flow, section 2.1, are judged by; see `claims.measures`."""
 
 from __future__ import annotations
 
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.paper.claims.quantities import (
+from fibermelt.engine.results import study_of
+from fibermelt.paper.claims.measures import (
     LEFT,
     RIGHT,
+    Measure,
     NotStoredError,
-    Quantity,
     needing,
     off_center,
     paper_line,
     rank_correlation,
     regular_lines,
 )
-from fibermelt.parts.variables import study_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FLOW"]
 
-FLOW: dict[str, Quantity] = {}
+FLOW: dict[str, Measure] = {}
 """The quantities of the flow, by their names."""
 
 needs = partial(needing, FLOW, part="bead")

@@ -1,6 +1,6 @@
 """The paper's claims, and whether they hold: statements as data, judged by code on the results.
 
-A claim (``data/claims.toml``) names a quantity of `fibermelt.paper.claims.quantities` and what
+A claim (``data/claims.toml``) names a quantity of `fibermelt.paper.claims.measures` and what
 the paper says of it: a value with a tolerance, or a bound. Nothing here knows the answer.
 """
 
@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING, Literal
 from fibermelt.paper.claims.bead import BEAD
 from fibermelt.paper.claims.fiber import FIBER
 from fibermelt.paper.claims.flow import FLOW
-from fibermelt.paper.claims.quantities import NotStoredError, Quantity
+from fibermelt.paper.claims.measures import Measure, NotStoredError
 from fibermelt.paper.claims.voids import VOIDS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "Claim", "Judgement", "Verdict", "claims", "judge", "measured"]
+__all__ = ["MEASURES", "Claim", "Judgement", "Verdict", "claims", "judge", "measured"]
 
-QUANTITIES: Mapping[str, Quantity] = {**FLOW, **BEAD, **FIBER, **VOIDS}
+MEASURES: Mapping[str, Measure] = {**FLOW, **BEAD, **FIBER, **VOIDS}
 """What claims are judged by, by name."""
 
 Verdict = Literal["holds", "differs", "cannot be judged"]
@@ -56,7 +56,7 @@ class Claim:
     statement : str
         What it says, in our words.
     quantity : str
-        What of the results it is judged by: a name in `QUANTITIES`.
+        What of the results it is judged by: a name in `MEASURES`.
     measure : str
         What that quantity is, in words.
     unit : str
@@ -185,7 +185,7 @@ def measured(claim: Claim, results: xr.Dataset) -> tuple[float, str]:
         As in results.nc; a quantity of a part that was not run cannot be had.
     """
     try:
-        return QUANTITIES[claim.quantity](results) / UNITS[claim.unit], ""
+        return MEASURES[claim.quantity](results) / UNITS[claim.unit], ""
     except NotStoredError as error:
         return math.nan, str(error)
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.engine.toml import as_toml
 from fibermelt.paper.claims.judge import claims, measured
-from fibermelt.parts.variables import labelled
+from fibermelt.paper.claims.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,5 +35,6 @@ def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "claim": [claim.id for claim in claims()],
             "claim_value": [value for value, _ in found],
             "claim_missing": [missing for _, missing in found],
-        }
+        },
+        QUANTITIES,
     )

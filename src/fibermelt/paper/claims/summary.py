@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.results import has_conditions_of_paper
 from fibermelt.paper.claims.judge import Verdict, claims, judge
-from fibermelt.parts.variables import has_conditions_of_paper
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,4 +1,4 @@
-"""What claims on voids over the bead are judged by; see `claims.quantities`.
+"""What claims on voids over the bead are judged by; see `claims.measures`.
 
 The profile goes from the bed to the free surface. Each quantity is the rank correlation of a
 layer's height and its lowest pressure: 1 where the risk falls from each layer to the one above.
@@ -9,14 +9,14 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fibermelt.paper.claims.quantities import NotStoredError, Quantity, needing
+from fibermelt.paper.claims.measures import Measure, NotStoredError, needing
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["VOIDS"]
 
-VOIDS: dict[str, Quantity] = {}
+VOIDS: dict[str, Measure] = {}
 """The quantities of voids over the bead, by their names."""
 
 needs = partial(needing, VOIDS, part="voids")

@@ -12,16 +12,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.paper.dimensions.quantities import QUANTITIES
+from fibermelt.paper.orbits.quantities import QUANTITIES as ORBITS
 from fibermelt.parts.bead.beside import (
     MODELS,
     confined_ellipse,
     fiber_models,
     unbounded_models,
 )
+from fibermelt.parts.bead.quantities import QUANTITIES as BEAD
 from fibermelt.parts.bead.stages import domain_size, stored_path
 from fibermelt.parts.melt.melt import newtonian_viscosity
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,7 +59,8 @@ def dimensions_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dat
             "dimension_domain_size": size,
             **_peaks(parameters, ratios, size),
             **along,
-        }
+        },
+        BEAD | ORBITS | QUANTITIES,
     )
 
 

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.paper.claims.printed import printed_period
+from fibermelt.paper.orbits.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import newtonian_viscosity
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,7 +99,8 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             **{name: [[one[name] for one in both] for both in turns] for name in turns[0][0]},
             **_printed(cases),
             **{name: [part[name] for part in near] for name in near[0]},
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.variables import or_none
+from fibermelt.engine.quantities import or_none
 
 if TYPE_CHECKING:
     import xarray as xr

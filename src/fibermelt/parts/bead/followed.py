@@ -198,11 +198,15 @@ def _on_line(
 
 def _at_zones(path: FlowHistory, motion: Turning, zone_time: Array | None) -> dict[str, Any]:
     """Return the fibers' angles at the zones, where there are any."""
-    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415  lazy: see the module
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
 
     if zone_time is None:
         return {}
-    return {"zone_angle": angle_to_stream_at(path, motion, zone_time)}
+    known = np.isfinite(zone_time)  # paths of a given flow may end before
+    angle = angle_to_stream_at(path, motion, np.where(known, zone_time, path.time[..., :1]))
+    return {"zone_angle": np.where(known[..., None, :], angle, np.nan)}
 
 
 def _stations(

@@ -94,6 +94,7 @@ PART = Part(
             inputs_if=_in_the_melt,
             light_if=always,
             estimates=f"{HERE}.stages:motion_estimates",
+            foresee=f"{HERE}.stages:foresee_motion",
         ),
     ),
 )

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.bead.stages import domain_size, sizes_of, thinning_numerics
 from fibermelt.parts.melt.melt import law_of
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +31,7 @@ def response_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datas
     answer = thinning_response(parameters, inputs, parameters["fiber.model"], law)
     rates = "any rate" if answer.rate.size == 1 else f"{answer.rate.size} rates"
     say(f"table for {rates}, its pressures within {100 * answer.pressure_error:.2g} %")
-    return labelled(answer.to_arrays())
+    return labelled(answer.to_arrays(), QUANTITIES)
 
 
 def response_estimates(parameters: Parameters, table: Mapping[Any, Any]) -> tuple[Estimate, ...]:

@@ -10,13 +10,14 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
+from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.bead.shape import Sizes
 from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.melt.melt import law_of, viscosity_of
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +31,7 @@ __all__ = [
     "cell_numerics",
     "cell_stage",
     "domain_size",
+    "foresee_motion",
     "motion_estimates",
     "motion_stage",
     "sizes_of",
@@ -64,7 +66,8 @@ def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     if shape.has_cell:
         numerics, size = cell_numerics(parameters), domain_size(parameters, inputs)
     return labelled(
-        {"fiber_model": shape.name, **shape.solved(sizes_of(parameters), size, numerics, say)}
+        {"fiber_model": shape.name, **shape.solved(sizes_of(parameters), size, numerics, say)},
+        QUANTITIES,
     )
 
 
@@ -169,6 +172,12 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 
     arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
+
+
+def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
+    """Refuse fibers that are known in a plane only as soon as a field is known to be in space."""
+    if name == "field" and str(data["field_geometry"].item()) == "spatial":
+        _refuse_in_plane(parameters)
 
 
 def _refuse_in_plane(parameters: Parameters) -> None:
@@ -278,5 +287,6 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "extreme_bounds": extreme_bounds(path, bounds, middle),
             "extreme_quantiles": isotropic.extremes,
             "extreme_quantiles_error": isotropic.extremes_error,
-        }
+        },
+        QUANTITIES,
     )

@@ -6,25 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import or_none
+from fibermelt.engine.results import table_of
 from fibermelt.numerals import rounded
 from fibermelt.parts.bead.checks import LONGEST_FIBER
-from fibermelt.parts.variables import or_none, table_of
+from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["bead_in_words", "melt_met", "summarize_bead"]
-
-FLOW_NUMBERS = (
-    "bead_height",
-    "inlet_pressure",
-    "contact_point",
-    "heel",
-    "mass_imbalance",
-    "kinematic_residual",
-)
-FLOW_COUNTS = ("newton_steps", "unknowns", "elements")
-
 
 PLACES = {0: "on the way   ", 1: "in the nozzle", 2: "below it      "}
 """The locations of extremes, in words."""
@@ -69,9 +61,8 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
-    flow: dict[str, Any] = {name: float(results[name]) for name in FLOW_NUMBERS if name in results}
-    flow |= {name: int(results[name]) for name in FLOW_COUNTS if name in results}
-    flow |= melt_met(results)
+    told = [name for name, one in FLOW.items() if one.title and name in results]
+    flow: dict[str, Any] = {name: results[name].item() for name in told} | melt_met(results)
     notes = str(results["field_notes"].item()).split("\n") if "field_notes" in results else []
     return {
         "flow": flow,
@@ -261,7 +252,7 @@ def _orientation(results: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the spread of the fibers' directions at each zone.
+    """Return the spread of the fibers' directions at each zone that their path reaches.
 
     A fiber has no head: its angle is known up to half turns. Each is taken within a quarter
     turn of the mean director ``arg(mean exp(2 i theta)) / 2``, where their mean makes sense.
@@ -280,6 +271,7 @@ def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
             "highest": float(near[k, z].max()),
         }
         for k, z in np.ndindex(near.shape[:2])
+        if np.isfinite(near[k, z]).all()
     ]
 
 
@@ -302,6 +294,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         f"fiber           B = {factor:.4f}: in simple shear it {motion}",
         *_in_its_melt(cell),
     ]
+    word = "streamline" if "bead_height" in flow else "path"
     flagged = [line["index"] for line in summary["streamlines"] if line["near_singularity"]]
     for location, place in PLACES.items():
         found = [
@@ -314,22 +307,28 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         if not found:
             continue
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
-        lowest = -worst["lowest"] / 1e6
+        depth = FIBER["extreme"].with_unit(-worst["lowest"], size=worst["lowest"], digits=3)
         lines.append(
-            f"lowest {place}  {rounded(lowest, lowest)} MPa below the melt's own pressure, on "
-            f"streamline {worst['streamline']}"
+            f"lowest {place}  {depth} below the melt's own pressure, on "
+            f"{word} {worst['streamline']}"
         )
-    return lines + _left_out(flagged, of=len(summary["streamlines"])) + _long(summary)
+    return (
+        lines + _left_out(flagged, of=len(summary["streamlines"]), word=word) + _long(summary, word)
+    )
 
 
 def _bead(flow: Mapping[str, Any]) -> list[str]:
     """Return the lines on a bead that was solved for."""
-    height, contact = (flow[name] * 1e3 for name in ("bead_height", "contact_point"))
-    inlet = flow["inlet_pressure"] / 1e6
+    height = flow["bead_height"]
+    lines = (
+        ("bead_height", height, 4, ""),
+        ("inlet_pressure", flow["inlet_pressure"], 3, ""),
+        ("contact_point", height, 4, " from the nozzle's axis"),
+    )
     return [
-        f"bead height     {rounded(height, height, 4)} mm",
-        f"inlet pressure  {rounded(inlet, inlet)} MPa",
-        f"contact point   {rounded(contact, height, 4)} mm from the nozzle's axis",
+        f"{FLOW[name].title.lower():<16}"
+        f"{FLOW[name].with_unit(flow[name], size=size, digits=digits)}{whence}"
+        for name, size, digits, whence in lines
     ]
 
 
@@ -361,7 +360,7 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _long(summary: Mapping[str, Any]) -> list[str]:
+def _long(summary: Mapping[str, Any], word: str) -> list[str]:
     """Return the line on fibers that are long beside what the gradient changes over."""
     flagged = [line["near_singularity"] for line in summary["streamlines"]]
     found = [
@@ -376,21 +375,21 @@ def _long(summary: Mapping[str, Any]) -> list[str]:
     which += ", ..." if found[MOST_NAMED:] else ""
     return [
         f"fiber's length  {worst['fiber_scale']:.2g} of that over which the gradient changes on "
-        f"streamline {worst['index']}; above {LONGEST_FIBER:g} on {which}: what a fiber feels "
+        f"{word} {worst['index']}; above {LONGEST_FIBER:g} on {which}: what a fiber feels "
         "there is only roughly that of its middle"
     ]
 
 
-def _left_out(flagged: Sequence[int], of: int) -> list[str]:
-    """Return the line on streamlines whose lowest pressure has no limit as the mesh is refined."""
+def _left_out(flagged: Sequence[int], of: int, word: str) -> list[str]:
+    """Return the line on those whose lowest pressure has no limit as the mesh is refined."""
     if not flagged:
         return []
     if len(flagged) == of:
-        return ["lowest pressure not told: every streamline passes a singular corner"]
+        return [f"lowest pressure not told: every {word} passes a singular corner"]
     if len(flagged) == 1:
-        return [f"                streamline {flagged[0]} passes a singular corner and is left out"]
+        return [f"                {word} {flagged[0]} passes a singular corner and is left out"]
     which = ", ".join(map(str, flagged[:MOST_NAMED])) + (", ..." if flagged[MOST_NAMED:] else "")
     return [
-        f"                streamlines {which} pass a singular corner and are left out "
+        f"                {word}s {which} pass a singular corner and are left out "
         f"({len(flagged)} of {of})"
     ]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
-from fibermelt.parts.flow.config import Flow
+from fibermelt.parts.flow.config import Flow, Streamlines
 from fibermelt.parts.flow.field_table import ImportedField
-from fibermelt.parts.flow.paths_table import Paths
+from fibermelt.parts.flow.paths_table import STATIONS, Paths
 
 if TYPE_CHECKING:
     from fibermelt.engine.tables import Tables
@@ -40,15 +40,27 @@ def refuse_sources(study: Tables) -> None:
             )
             raise ConfigError(msg)
     default = Paths()
+    read = {
+        "field": tuple(Paths.model_fields),
+        "histories": ("file", "content", *STATIONS),
+        "deposition": ("file", "content"),
+    }
     idle = [
         name
         for name in Paths.model_fields
-        if name not in ("file", "content") and getattr(paths, name) != getattr(default, name)
+        if name not in read[source] and getattr(paths, name) != getattr(default, name)
     ]
-    if idle and source != "field":
+    if idle:
         msg = (
             f'paths.{idle[0]}: is not read with flow.source = "{source}": leave it away, or '
             'say flow.source = "field"'
+        )
+        raise ConfigError(msg)
+    points = study.table(Streamlines).points
+    if source == "histories" and points != Streamlines().points:
+        msg = (
+            f'streamlines.points = {points}: is not read with flow.source = "histories": a '
+            "path keeps the points that its table gives it; leave it away"
         )
         raise ConfigError(msg)
     known = [part.name for part in study.asked if OF_DEPOSITION in part.traits]

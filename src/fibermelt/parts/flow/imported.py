@@ -5,13 +5,18 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.errors import ConfigError
 from fibermelt.parts.flow.given import refuse_changed
+from fibermelt.parts.flow.paths_table import STATIONS
+from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of
-from fibermelt.parts.variables import labelled
+from fibermelt.units import parse_plane
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +25,7 @@ if TYPE_CHECKING:
     from fibermelt.fields.paths import FieldPath, Seeds
     from fibermelt.history import FlowHistory
 
-__all__ = ["along_paths", "field_stage", "paths_of", "stored_field"]
+__all__ = ["along_paths", "field_stage", "is_given", "paths_of", "stations", "stored_field"]
 
 FIELD_VALUES = (
     "points",
@@ -35,6 +40,11 @@ FIELD_VALUES = (
 )
 FLAGS = ("field_near_wall", "field_near_edge", "field_cut")
 OPTIONAL = ("pressure", "viscosity", "temperature")
+
+
+def is_given(lines: xr.Dataset) -> bool:
+    """Tell whether streamlines, or results with them, are paths of a flow from elsewhere."""
+    return "path_divergence" in lines
 
 
 def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -61,7 +71,8 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             **{f"field_{name}": getattr(field, name) for name in known},
             "field_geometry": field.geometry,
             "field_notes": "\n".join(field.notes),
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -86,7 +97,16 @@ def stored_field(data: xr.Dataset) -> Field:
 def paths_of(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Return the paths of a flow that is not solved here: traced through its field, or as read."""
     if parameters["flow.source"] == "histories":
-        return _read_histories(parameters, say)
+        histories, arrays = _read_histories(parameters, say)
+    else:
+        histories, arrays = _trace(parameters, inputs, say)
+    return labelled(arrays | stations(parameters, histories, arrays), QUANTITIES)
+
+
+def _trace(
+    parameters: Parameters, inputs: Inputs, say: Say
+) -> tuple[Sequence[FlowHistory], dict[str, Any]]:
+    """Trace paths through a field."""
     from fibermelt.fields.paths import trace_field  # noqa: PLC0415  lazy: see the module
 
     field, points = stored_field(inputs["field"]), parameters["streamlines.points"]
@@ -96,7 +116,7 @@ def paths_of(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     paths = trace_field(field, seeds, points, law, longest)
     ends = [path.end for path in paths]
     say(", ".join(f"{ends.count(end)} end by {end}" for end in sorted(set(ends))))
-    return _traced(paths)
+    return [path.history for path in paths], _traced(paths)
 
 
 def _seeds(parameters: Parameters, field: Field) -> Seeds:
@@ -120,23 +140,94 @@ def _seeds(parameters: Parameters, field: Field) -> Seeds:
     return through.flux_seeds(field, section, wanted["count"])
 
 
-def _traced(paths: Sequence[FieldPath]) -> xr.Dataset:
+def _traced(paths: Sequence[FieldPath]) -> dict[str, Any]:
     """Return traced paths as they are stored."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    return labelled(
-        {
-            **along_paths([path.history for path in paths]),
-            "gradient_error": np.stack([path.gradient_error for path in paths]),
-            "near_singularity": np.array([path.near_singularity for path in paths], dtype=np.int8),
-            "path_end": [path.end for path in paths],
-            "path_divergence": [path.divergence for path in paths],
-            "path_notes": ["; ".join(path.told) for path in paths],
-        }
-    )
+    return {
+        **along_paths([path.history for path in paths]),
+        "gradient_error": np.stack([path.gradient_error for path in paths]),
+        "near_singularity": np.array([path.near_singularity for path in paths], dtype=np.int8),
+        "path_end": [path.end for path in paths],
+        "path_divergence": [path.divergence for path in paths],
+        "path_notes": ["; ".join(path.told) for path in paths],
+    }
 
 
-def _read_histories(parameters: Parameters, say: Say) -> xr.Dataset:
+def stations(
+    parameters: Mapping[str, Any], histories: Sequence[FlowHistory], arrays: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return when paths reach the stations that a study names, NaN where one does not.
+
+    The middle of the capillary needs all paths to pass it, between an entrance and an exit across
+    the same axis.
+
+    Raises
+    ------
+    ConfigError
+        If no path reaches a station, or one reaches them in another order than it should.
+    """
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    texts = {f"paths.{name}": parameters[f"paths.{name}"] for name in STATIONS}
+    planes = {name: parse_plane(text) for name, text in texts.items() if text}
+    if not planes:
+        return {}
+    times: dict[str, Any] = {}
+    for name, (axis, place) in planes.items():
+        if axis == 2 and "z" not in arrays:
+            msg = f'{name} = "{texts[name]}": the paths are planar: give a plane across x or y'
+            raise ConfigError(msg)
+        times[name] = np.array([history.time_across(axis, place) for history in histories])
+        if np.isnan(times[name]).all():
+            along = np.stack([history.position[:, axis] for history in histories])
+            msg = (
+                f'{name} = "{texts[name]}": no path crosses it: they lead from {along.min():.4g} '
+                f"to {along.max():.4g} m along {'xyz'[axis]}"
+            )
+            raise ConfigError(msg)
+    for first, second in combinations(times, 2):
+        early = np.flatnonzero(times[second] < times[first])
+        if early.size:
+            msg = (
+                f'{second} = "{texts[second]}": path {arrays["streamline"][early[0]]} is there '
+                f'before it reaches {first} = "{texts[first]}": exchange them'
+            )
+            raise ConfigError(msg)
+    when = np.stack(list(times.values()), axis=-1)
+    missed = [
+        [f"does not reach {name}" for name, is_lost in zip(times, lost, strict=True) if is_lost]
+        for lost in np.isnan(when)
+    ]
+    notes = [
+        "; ".join(filter(None, [note, *more]))
+        for note, more in zip(arrays["path_notes"], missed, strict=True)
+    ]
+    zones = [k for k, name in enumerate(texts, 1) if name in times]
+    found = {"zone": zones, "zone_time": when, "path_notes": notes}
+    middle = _middle_time(histories, *(planes.get(f"paths.{name}") for name in STATIONS[:2]))
+    return found if middle is None else {**found, "middle_time": middle}
+
+
+def _middle_time(
+    histories: Sequence[FlowHistory],
+    entrance: tuple[int, float] | None,
+    leave: tuple[int, float] | None,
+) -> Any:
+    """Return when paths pass halfway between two planes; None unless all of them do."""
+    import numpy as np  # noqa: PLC0415  lazy: see the module
+
+    if entrance is None or leave is None or entrance[0] != leave[0]:
+        return None
+    place = 0.5 * (entrance[1] + leave[1])
+    middle = np.array([history.time_across(entrance[0], place) for history in histories])
+    start = np.array([history.time[0] for history in histories])
+    return middle if np.all(middle > start) else None
+
+
+def _read_histories(
+    parameters: Parameters, say: Say
+) -> tuple[Sequence[FlowHistory], dict[str, Any]]:
     """Read a table of paths."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
@@ -154,17 +245,15 @@ def _read_histories(parameters: Parameters, say: Say) -> xr.Dataset:
         history.viscosity if history.viscosity is not None else law.viscosity_at(history.shear_rate)
         for history in histories
     ]
-    return labelled(
-        {
-            **along_paths(histories),
-            "streamline": list(table.numbers),
-            "viscosity": np.stack(own),
-            "near_singularity": np.zeros(len(histories), dtype=np.int8),
-            "path_end": ["file"] * len(histories),
-            "path_divergence": list(table.divergence),
-            "field_notes": "\n".join(table.notes),
-        }
-    )
+    return histories, {
+        **along_paths(histories),
+        "streamline": list(table.numbers),
+        "viscosity": np.stack(own),
+        "near_singularity": np.zeros(len(histories), dtype=np.int8),
+        "path_end": ["file"] * len(histories),
+        "path_divergence": list(table.divergence),
+        "field_notes": "\n".join(table.notes),
+    }
 
 
 def along_paths(histories: Sequence[FlowHistory]) -> dict[str, Any]:

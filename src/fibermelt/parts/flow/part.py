@@ -39,7 +39,7 @@ PART = Part(
     brings=(
         Stage(
             "flow",
-            6,
+            7,
             ("flow", LAW, *FLOW_NUMERICS),
             (),
             f"{HERE}.stages:flow_stage",
@@ -47,7 +47,7 @@ PART = Part(
             but_for_scale=f"{HERE}.stages:flow_but_for_scale",
             estimates=f"{HERE}.stages:flow_estimates",
         ),
-        Stage("field", 3, ("field",), (), f"{HERE}.imported:field_stage"),
+        Stage("field", 4, ("field",), (), f"{HERE}.imported:field_stage"),
         Stage(
             "streamlines",
             4,

@@ -1,4 +1,4 @@
-"""The table ``[paths]``: where fibers begin in a flow that is not solved here."""
+"""The table ``[paths]``: where fibers begin in a flow that is not solved here, and its stations."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ from typing import Any, Literal, Self
 from pydantic import create_model, field_validator, model_validator
 
 from fibermelt.engine.parameters import quantity, setting
+from fibermelt.errors import ConfigError
 from fibermelt.parts.flow.given import GivenFile
+from fibermelt.units import parse_plane
 
-__all__ = ["Paths"]
+__all__ = ["STATIONS", "Paths"]
+
+STATIONS = ("entrance", "exit", "end_of_swell")
+"""The keys that name the stations of a flow, zones 1 to 3."""
 
 SPACE = 3
 """Coordinates of a point."""
@@ -60,6 +65,30 @@ class Paths(_Ends):  # type: ignore[misc]
         gt=0,
         example="20 s",
     )
+
+    entrance: str = setting(
+        "",
+        "Plane across the flow at which the capillary begins: zone 1. With the exit across the "
+        "same axis extremes are told above (Loc. 1) and below (Loc. 2) the middle between them.",
+        example="y = 9 mm",
+    )
+    exit: str = setting(
+        "", "Plane at which the melt leaves the nozzle: zone 2.", example="y = 3 mm"
+    )
+    end_of_swell: str = setting(
+        "", "Plane from which on the melt moves as a whole: zone 3.", example="x = 12 mm"
+    )
+
+    @field_validator(*STATIONS)
+    @classmethod
+    def _planes(cls, value: str) -> str:
+        """Refuse a station that is no plane."""
+        if value:
+            try:
+                parse_plane(value)
+            except ConfigError as error:
+                raise ValueError(str(error)) from error
+        return value
 
     @field_validator("points", mode="before")
     @classmethod

@@ -9,11 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say
 from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
+from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import LAW, law_of, thins
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.melt.quantities import QUANTITIES as MELT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -200,7 +202,7 @@ def _stored(solution: FlowSolution) -> xr.Dataset:
     arrays |= {f"node_{name}": getattr(field, name) for name in FIELDS}
     arrays |= {name: getattr(solution, name) for name in SCALARS}
     arrays |= {f"{name}_error": getattr(solution.error, name) for name in ERRORS}
-    return labelled(arrays)
+    return labelled(arrays, QUANTITIES)
 
 
 def _field(flow: xr.Dataset) -> FlowField:
@@ -236,7 +238,7 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
     if parameters["flow.source"] != "deposition":
-        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters)))
+        return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters), MELT))
 
     from fibermelt.flow.streamlines import trace_streamlines  # noqa: PLC0415
 
@@ -261,7 +263,8 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "zone_time": stacked("zone_time"),
             "middle_time": stacked("middle_time"),
             **_law_curve(parameters),
-        }
+        },
+        QUANTITIES | MELT,
     )
 
 

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.parts.interaction.quantities import QUANTITIES
 from fibermelt.parts.interaction.suspension import (
     DISTRIBUTION,
     folgar_tucker,
     interaction_coefficient,
     preferred_angle,
 )
-from fibermelt.parts.variables import labelled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,7 +64,8 @@ def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
             "stall_shape_factor_error": curve.error,
             "stall_aspect_ratio": curve.fiber_aspect_ratio,
             "largest_stalling_domain": curve.largest_stalling_domain,
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -114,7 +116,8 @@ def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datase
             "preferred_angle": angle,
             "content_domain_size": domain_size,
             "content_regime": regime(content, aspect_ratio),
-        }
+        },
+        QUANTITIES,
     )
 
 
@@ -143,7 +146,8 @@ def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "interaction_domain_size": domain,
             "interaction_closure": closure,
             **_polynomials(interaction, chosen, domain),
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from matplotlib.figure import Figure
 
+from fibermelt.engine.results import table_of
 from fibermelt.parts.bead.summary import melt_met
 from fibermelt.parts.melt.config import Melt as MeltTable
 from fibermelt.parts.melt.melt import melt_of
-from fibermelt.parts.variables import table_of
 from fibermelt.report.kit.style import (
     BLUE,
     FULL,

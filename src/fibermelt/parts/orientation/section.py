@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
+from fibermelt.parts.flow.figures.lines import line_word
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.tables import Column, fixed, folded, number, table
@@ -90,16 +92,20 @@ def _curves(results: xr.Dataset) -> Markup:
 
 
 def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
-    """Return the orientation tensor in the finished bead by streamline, and the closure's error."""
-    found = summary["orientation_tensor"]
+    """Return the orientation tensor in the bead, or where paths end, and the closure's error."""
+    found, word = summary["orientation_tensor"], line_word(results)
+    axis, end, outlet = "the bead", "in the bead", "at the outlet"
+    if is_given(results):
+        axis, end, outlet = "the x axis", "where it ends", "where paths end"
     words = Markup(
-        "<p>A tensor tells how fibers lie on average: a_xx is 1 where all lie along the bead and "
+        "<p>A tensor tells how fibers lie on average: a_xx is 1 where all lie along {} and "
         "1/3 where they lie every way. The model is {}, the closure {}. {} The integration is off "
         "by {} at most, an estimate. {}</p>\n"
     ).format(
+        axis,
         model_in_words(*stored_model(results)),
         str(results["orientation_closure"].item()),
-        _judged(found["closure_error"]),
+        _judged(found["closure_error"], word, end),
         number(found["error"], 2),
         f"Eigenvalues leave 0 to 1 by up to {number(found['violation'], 2)}."
         if found["violation"] > 0
@@ -113,9 +119,9 @@ def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         )
     )
     columns = (
-        Column("Streamline", is_text=True),
+        Column(word.capitalize(), is_text=True),
         *(Column(name) for name in ("a_xx", "a_yy", "a_zz", "a_xy")),
-        Column("Mean direction to the bed", "°"),
+        Column(f"Mean direction to {'the x axis' if is_given(results) else 'the bed'}", "°"),
     )
     rows = [
         (
@@ -126,10 +132,10 @@ def orientation(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         for one in found["in_the_bead"]
     ]
     note = Markup("<p>* passes close to a singular corner.</p>\n") if any(near.values()) else ""
-    return words + table("Orientation tensor at the outlet by streamline", columns, rows) + note
+    return words + table(f"Orientation tensor {outlet} by {word}", columns, rows) + note
 
 
-def _judged(closure: Mapping[str, Any] | None) -> str:
+def _judged(closure: Mapping[str, Any] | None, word: str, end: str) -> str:
     """Return how far the closure is off, or that nothing tells."""
     if closure is None:
         return (
@@ -137,9 +143,8 @@ def _judged(closure: Mapping[str, Any] | None) -> str:
             "Folgar-Tucker only."
         )
     return (
-        f"Against the distribution itself on streamline {closure['streamline']} the closure is off "
-        f"by up to {fixed(closure['largest'], 3)}, and by {fixed(closure['in_the_bead'], 3)} in "
-        "the bead."
+        f"Against the distribution itself on {word} {closure['streamline']} the closure is off "
+        f"by up to {fixed(closure['largest'], 3)}, and by {fixed(closure['in_the_bead'], 3)} {end}."
     )
 
 

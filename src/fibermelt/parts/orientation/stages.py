@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.parts.interaction.config import OWN, WITHOUT_COEFFICIENT
 from fibermelt.parts.interaction.models import build_model, model_in_words
 from fibermelt.parts.interaction.suspension import interaction_coefficient, rotary_diffusivity
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.orientation.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -88,7 +89,7 @@ def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "closure_exact_error": exact_error,
             "closure_error": np.abs(found.a[center] - exact).max(axis=(-2, -1)),
         }
-    return labelled(variables)
+    return labelled(variables, QUANTITIES)
 
 
 def orientation_estimates(parameters: Parameters, found: xr.Dataset) -> tuple[Estimate, ...]:

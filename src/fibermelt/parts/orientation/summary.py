@@ -145,11 +145,11 @@ def orientation_in_words(summary: Mapping[str, Any]) -> list[str]:
     closure = found["closure_error"]
     model = model_in_words(found["model"], found["interaction"], found["parameters"])
     given = "paths" in summary and "bead_height" not in summary["flow"]
-    where = "where the paths end" if given else "in the bead"
+    where, word = ("where the paths end", "path") if given else ("in the bead", "streamline")
     lines = [f"orientation     a_xx {where} {min(along):.3f} to {max(along):.3f}, by {model}"]
     if closure is not None:
         lines[0] += (
-            f"; the closure is off by up to {closure['largest']:.3f} on streamline "
+            f"; the closure is off by up to {closure['largest']:.3f} on {word} "
             f"{closure['streamline']}, {closure['in_the_bead']:.3f} {where}"
         )
     if found["violation"] > 0:

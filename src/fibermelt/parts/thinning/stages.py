@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Neighbour, Parameters, Say, refuse_beyond
 from fibermelt.parts.bead.beside import fiber_models
 from fibermelt.parts.bead.response import response_estimates, thinning_response
@@ -21,7 +22,7 @@ from fibermelt.parts.flow.stages import (
     streamlines_stage,
 )
 from fibermelt.parts.melt.melt import LAW, newtonian_viscosity
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.thinning.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,7 +82,8 @@ def effect_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "effect_cause": list(CAUSES),
             "effect_regular": np.all(regular, axis=0).astype(np.int8),
             **{f"effect_{name}": np.array([row[name] for row in rows]) for name in rows[0]},
-        }
+        },
+        QUANTITIES,
     )
 
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.variables import or_none
+from fibermelt.engine.quantities import or_none
+from fibermelt.parts.thinning.quantities import QUANTITIES
 from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["summarize_thinning", "thinning_in_words"]
+__all__ = ["column", "summarize_thinning", "thinning_in_words"]
 
 NAMES = {"confined-ellipse": "ellipse", "spheroid": "spheroid"}
 """What the models are called on the terminal."""
@@ -72,6 +73,21 @@ def _of_model(one: xr.Dataset) -> dict[str, Any]:
     return {**{name: or_none(one[f"effect_{name}"]) for name in names}, **causes}
 
 
+def column(name: str, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a number of each row in the unit that it is shown in, to the digits of the largest.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the rows; that of its quantity is ``effect_<name>``.
+    rows : sequence of mapping
+        As in the summary; a number may be None.
+    """
+    one = QUANTITIES[f"effect_{name}"]
+    size = max((abs(row[name]) for row in rows if row[name] is not None), default=0.0)
+    return ["none" if row[name] is None else one.written(row[name], size=size) for row in rows]
+
+
 def thinning_in_words(summary: Mapping[str, Any]) -> list[str]:
     """Return what thinning does as a table for a person.
 
@@ -81,11 +97,10 @@ def thinning_in_words(summary: Mapping[str, Any]) -> list[str]:
         The content of summary.json.
     """
     laws = summary["thinning"]
-    rows = [
-        ("thinning", "index", [f"{law['index']:g}" for law in laws]),
-        ("", "inlet pressure [MPa]", [f"{law['inlet_pressure'] / 1e6:.3f}" for law in laws]),
-        ("", "contact point [mm]", [f"{law['contact_point'] * 1e3:.3f}" for law in laws]),
-    ]
+    rows = [("thinning", "index", [f"{law['index']:g}" for law in laws])]
+    for name in ("inlet_pressure", "contact_point"):
+        one = QUANTITIES[f"effect_{name}"]
+        rows.append(("", f"{one.title.lower()} [{one.shown_unit}]", column(name, laws)))
     models = [model for model in NAMES if model in laws[0]]
     for model in models:
         name = NAMES[model]
@@ -97,8 +112,7 @@ def thinning_in_words(summary: Mapping[str, Any]) -> list[str]:
             ("flow", "  the flow thins alone"),
             ("fiber", "  its own melt alone"),
         ):
-            lowest = [law[model][cause]["lowest"] for law in laws]
-            told = ["none" if value is None else f"{value / 1e6:.3f}" for value in lowest]
+            told = column("lowest", [law[model][cause] for law in laws])
             rows.append(("", f"{name}: {words}" if cause == "both" else words, told))
     return [
         f"{what:<16}{row:<36}" + "".join(f"{number:>8}" for number in numbers)

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.verification.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,4 +27,4 @@ def verification_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.D
     checks = climb(chosen(LADDER, extent), say=lambda subject, name: say(f"{subject}: {name}"))
     rows = {f"check_{column}": values for column, values in as_dataset_rows(checks).items()}
     software = ", ".join(f"{name} {number}" for name, number in versions().items())
-    return labelled({**rows, "check_ladder": extent, "check_software": software})
+    return labelled({**rows, "check_ladder": extent, "check_software": software}, QUANTITIES)

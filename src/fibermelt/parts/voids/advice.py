@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from decimal import ROUND_DOWN, Context
 from typing import Any
 
+from fibermelt.units import PERCENT
 from fibermelt.voids.constants import ATMOSPHERE
 
 __all__ = ["advice"]
-
-PERCENT = 100.0
 
 DIGITS = 2
 """Significant digits of what is advised."""
@@ -33,7 +32,8 @@ def advice(found: Mapping[str, Any]) -> str:
         What summary.json has under ``"voids"``.
     """
     if found["lowest_pressure"] is None:
-        return "Not told: every streamline passes a singular corner; follow more of them."
+        word = "streamline" if found["profile"] else "path"
+        return f"Not told: every {word} passes a singular corner; follow more of them."
     critical, lowest = _worst_fiber(found)
     if critical is None:
         return "Nothing: no moisture that the polymer can hold starts a void."

@@ -84,17 +84,17 @@ def layer_profile(
         for name, values in part.items():
             parts.setdefault(name, []).append(values)
     return {
-        "void_selection": list(SELECTIONS),
         "void_layer": (np.arange(layers) + 0.5) * bead / layers,
         **{name: np.stack(values) for name, values in parts.items()},
     }
 
 
 def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[str, Any]:
-    """Return what holds of the bead in all, with and without singular streamlines.
+    """Return what holds of the bead, or of all paths, with and without singular streamlines.
 
-    Parameters as in `layer_profile`. The critical moisture of the worst streamline, and the mean
-    over the flux, which takes saturation where no moisture suffices, as no polymer holds more.
+    Parameters as in `layer_profile`; no heights are needed. The critical moisture of the worst
+    streamline, and the mean over the flux (over all paths of a flow from elsewhere), which
+    takes saturation where no moisture suffices, as no polymer holds more.
     """
     import numpy as np  # noqa: PLC0415  lazy, as above
 
@@ -120,6 +120,7 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
     basis = found["void_basis"]
     regularly = SELECTIONS.index("regular")
     return stacked | {
+        "void_selection": list(SELECTIONS),
         "void_critical_moisture": stacked["void_bead_moisture"][regularly, basis.index("bounds")],
         "void_critical_moisture_mean": stacked["void_bead_mean_moisture"][
             regularly, basis.index(MOST_LIKELY)

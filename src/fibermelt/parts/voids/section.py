@@ -135,11 +135,14 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         for basis, one in found["by_basis"].items()
     ]
     note = Markup(
-        "<p>Without streamlines that pass close by a singular corner. A margin below zero: a "
+        "<p>Without {} that pass close by a singular corner. A margin below zero: a "
         "bubble can grow. A critical moisture of 0: the melt is under tension, and no drying "
-        "helps; none: no moisture that the polymer can hold suffices. With those streamlines the "
+        "helps; none: no moisture that the polymer can hold suffices. With them the "
         "lowest is {} MPa in any direction of a fiber.</p>\n"
-    ).format(_mpa(found["including_singular"]["lowest_pressure"], size))
+    ).format(
+        "streamlines" if found["profile"] else "paths",
+        _mpa(found["including_singular"]["lowest_pressure"], size),
+    )
     where = "in the bead" if found["profile"] else "on the paths"
     return table(f"Lowest local pressure {where}", columns, rows) + note
 
@@ -175,8 +178,9 @@ def _profile(found: Mapping[str, Any]) -> Markup:
 def _lines(found: Mapping[str, Any]) -> Markup:
     lines = found["streamlines"]
     heights = ("height",) if found["profile"] else ()
+    word = "streamline" if found["profile"] else "path"
     columns = (
-        Column("Streamline", is_text=True),
+        Column(word.capitalize(), is_text=True),
         *(Column(f"{name.capitalize()} in the bead", "mm") for name in heights),
         Column("Lowest", "MPa"),
         Column("at x", "mm"),
@@ -204,8 +208,8 @@ def _lines(found: Mapping[str, Any]) -> Markup:
         )
         for line in lines
     ]
-    caption = "Each streamline, any direction of a fiber; * passes close to a singular corner"
-    return folded("Streamline by streamline", table(caption, columns, rows))
+    caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
+    return folded(f"{word.capitalize()} by {word}", table(caption, columns, rows))
 
 
 def _of(factor: float, value: float | None) -> float | None:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.stages import stored_path
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.melt import CARD, viscosity_of
-from fibermelt.parts.variables import labelled
+from fibermelt.parts.voids.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -66,12 +68,13 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     melt : MoistMelt
         The moist melt.
     layers : int
-        Number of layers of the profile over the bead's height.
+        Number of layers of the profile over the bead's height; paths of a flow from elsewhere have
+        no such profile.
 
     Returns
     -------
     xarray.Dataset
-        The variables of `fibermelt.parts.voids.variables`.
+        The variables of `fibermelt.parts.voids.quantities`.
     """
     from fibermelt.parts.voids.profile import bead_totals, layer_profile  # noqa: PLC0415  as above
     from fibermelt.voids import ATMOSPHERE, assess  # noqa: PLC0415
@@ -89,7 +92,6 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_speed_exponent": _speed_exponent(viscosity),
         "void_basis": basis,
         "void_margin_along": gauge + (ATMOSPHERE - vapor),
-        "void_height": lines["y"].to_numpy()[:, -1],
         "void_lowest_pressure": found.lowest_pressure,
         "void_lowest_x": _at_lowest(lines["x"].to_numpy()[:, None, :], found),
         "void_lowest_y": _at_lowest(lines["y"].to_numpy()[:, None, :], found),
@@ -103,8 +105,10 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_fiber_time_below": fibers.time_below,
     }
     regular = lines["near_singularity"].to_numpy() == 0
-    arrays |= layer_profile(arrays, regular, layers)
-    return labelled(arrays | bead_totals(arrays, regular))
+    if not is_given(lines):  # others have no bed, and no layers over it
+        arrays["void_height"] = lines["y"].to_numpy()[:, -1]
+        arrays |= layer_profile(arrays, regular, layers)
+    return labelled(arrays | bead_totals(arrays, regular), QUANTITIES)
 
 
 def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], Array]:

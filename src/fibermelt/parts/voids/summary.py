@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.numerals import rounded
-from fibermelt.parts.variables import or_none
+from fibermelt.engine.quantities import or_none
 from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.quantities import QUANTITIES
+from fibermelt.units import PERCENT, ZERO_CELSIUS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,10 +19,10 @@ __all__ = ["BESIDE", "summarize_voids", "voids_in_words", "worst_line"]
 BASIS = "bounds"
 """Whose pressure is told where only one can be: a fiber of the study in its worst direction."""
 
-OF_A_BEAD = "zone_time"
-"""A variable that only results of a flow that was solved here have: others have no bed."""
+OF_A_BEAD = "void_layer"
+"""A variable that only voids of a flow that was solved here have: others have no bed."""
 
-BESIDE = ("streamline", "near_singularity", OF_A_BEAD)
+BESIDE = ("streamline", "near_singularity")
 """What is read beside the variables of voids, where the results have it."""
 
 _ON_LINE = (
@@ -109,16 +110,16 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
     told = results.sel(void_basis=BASIS)
     arrays = {
         name: told[f"void_{name}"].to_numpy()
-        for name in (*_ON_LINE, "height", "lowest_x", "lowest_y", "moisture_limit")
+        for name in (*_ON_LINE, "lowest_x", "lowest_y", "moisture_limit")
     }
-    is_bead = OF_A_BEAD in results
+    height = told["void_height"].to_numpy() if OF_A_BEAD in results else None
     z = told["void_lowest_z"].to_numpy() if "void_lowest_z" in told else None
     lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
             "near_singularity": bool(results["near_singularity"][k]),
-            **({"height": float(arrays["height"][k])} if is_bead else {}),
+            **({} if height is None else {"height": float(height[k])}),
             **{name: or_none(arrays[name][k]) for name in _ON_LINE},
             "critical_moisture": or_none(arrays["moisture_limit"][k]),
             "x": float(arrays["lowest_x"][k]),
@@ -171,15 +172,16 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         another melt.
     """
     voids = summary["voids"]
-    celsius = voids["temperature"] - 273.15
+    celsius = voids["temperature"] - ZERO_CELSIUS
     lines = [
-        f"vapor pressure  {_mpa(voids['vapor_pressure'])} MPa of "
-        f"{100 * voids['moisture']:.3g} % moisture in {voids['material']['name']} at "
+        f"vapor pressure  {_shown('vapor_pressure', voids['vapor_pressure'])} of "
+        f"{PERCENT * voids['moisture']:.3g} % moisture in {voids['material']['name']} at "
         f"{celsius:.0f} degC"
     ]
     worst = worst_line(voids)
     if worst is None:
-        lines.append("lowest local    not told: every streamline passes a singular corner")
+        word = "streamline" if voids["profile"] else "path"
+        lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
     lines.append(f"what to do      {advice(voids)}")
@@ -199,44 +201,50 @@ def worst_line(found: Mapping[str, Any]) -> Mapping[str, Any] | None:
 
 def _worst(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> list[str]:
     """Return the lines on the lowest pressure, met on ``worst``, and on the profile."""
-    highest = max((1e3 * float(layer["height"]) for layer in voids["profile"]), default=0.0)
+    highest = max((float(layer["height"]) for layer in voids["profile"]), default=0.0)
 
     def height(of: Mapping[str, Any]) -> str:
-        return rounded(1e3 * of["height"], highest)
+        return _shown("height", of["height"], size=highest)
 
-    ends = f", which ends {height(worst)} mm up in the bead" if voids["profile"] else ""
+    where = f"path {worst['index']}"
+    if voids["profile"]:
+        where = f"streamline {worst['index']}, which ends {height(worst)} up in the bead"
     lines = [
-        f"lowest local    {_mpa(worst['lowest_pressure'])} MPa absolute on a fiber in its "
-        f"worst direction, on streamline {worst['index']}{ends}",
+        f"lowest local    {_shown('lowest_pressure', worst['lowest_pressure'])} absolute on a "
+        f"fiber in its worst direction, on {where}",
     ]
     if (in_space := voids["by_basis"].get("spheroid")) is not None:
-        lowest = _mpa(in_space["lowest_pressure"])
-        lines.append(f"                {lowest} MPa on an unbounded spheroid in space")
+        lowest = _shown("bead_lowest_pressure", in_space["lowest_pressure"])
+        lines.append(f"                {lowest} on an unbounded spheroid in space")
     if nucleation := _nucleation(voids, worst):
         lines.append(f"nucleation      {nucleation}")
     layers = [layer for layer in voids["profile"] if layer["mean_pressure"] is not None]
     if not layers:
         return lines
-    first, last = layers[0], layers[-1]
     deepest = min(layers, key=lambda layer: float(layer["mean_pressure"]))
+    first, low, last = (
+        _shown("layer_mean_pressure", layer["mean_pressure"])
+        for layer in (layers[0], deepest, layers[-1])
+    )
     return [
         *lines,
-        f"over the bead   {_mpa(first['mean_pressure'])} MPa at the bed, "
-        f"{_mpa(deepest['mean_pressure'])} MPa at {height(deepest)} mm, "
-        f"{_mpa(last['mean_pressure'])} MPa at the free surface",
+        f"over the bead   {first} at the bed, {low} at {height(deepest)}, {last} at the free "
+        "surface",
     ]
 
 
-def _mpa(pressure: float) -> str:
-    return rounded(pressure / 1e6, pressure / 1e6)
+def _shown(name: str, value: float, size: float | None = None, digits: int = 3) -> str:
+    """Return a number of voids with its unit and the digits that a size, its own, asks for."""
+    return QUANTITIES[f"void_{name}"].with_unit(
+        value, size=value if size is None else size, digits=digits
+    )
 
 
 def _nucleation(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
     """Return what a bubble without any gas to start from would take; nothing if that is unknown."""
     if not worst["critical_radius"]:
         return ""
-    radius = 1e9 * worst["critical_radius"]
-    told = f"critical radius {rounded(radius, radius, 2)} nm"
+    told = f"critical radius {_shown('critical_radius', worst['critical_radius'], digits=2)}"
     if (rate := worst["log10_rate"]) is None:
         return told
     threshold = math.log10(voids["threshold_rate"])
@@ -245,4 +253,4 @@ def _nucleation(voids: Mapping[str, Any], worst: Mapping[str, Any]) -> str:
         return f"{told}: bubbles start"
     if (wetting := worst["required_wetting"]) is None:
         return told
-    return f"{told}: starts where a surface leaves {100 * wetting:.2g} % of the barrier"
+    return f"{told}: starts where a surface leaves {PERCENT * wetting:.2g} % of the barrier"

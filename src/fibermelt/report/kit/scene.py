@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.report.kit.style import Array
+from fibermelt.units import MM, MPA
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["MM", "MPA", "Index", "Scene", "Window", "bed_speed", "by_area", "inside", "read_scene"]
 
 Index = NDArray[np.intp]
-
-MM, MPA = 1e3, 1e-6
-"""Millimetres in a metre, megapascals in a pascal."""
 
 SAME = 1e-7
 """Nodes of a straight side differ by less than this, over the size of the domain."""

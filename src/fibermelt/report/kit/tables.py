@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from fibermelt import numerals
 from fibermelt.numerals import places, rounded
 
 __all__ = [
     "Column",
     "fixed",
     "folded",
+    "meanings",
     "measured",
     "number",
     "percent",
+    "printed",
     "ranged",
     "short",
     "sized",
@@ -25,13 +29,6 @@ __all__ = [
 ]
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-SMALLEST, LARGEST = 1e-3, 1e6
-"""Magnitudes between which a number is written without a power of ten."""
-
-ERROR_DIGITS = 2
-"""Significant digits of an error estimate: it is no better known."""
-
 
 MANY, MOST = 3, 8
 """Columns that fit across a phone and across a desktop's page: 6 em each beside the rows' names."""
@@ -66,21 +63,13 @@ def number(value: float | None, digits: int = 4) -> str:
     digits : int
         Significant digits.
     """
-    if value is None or math.isnan(value):
-        return "–"
-    if value == 0 or math.isinf(value):
-        return f"{value:g}".replace("inf", "∞").replace("-", "−")
-    if isinstance(value, int) or SMALLEST <= abs(value) < LARGEST:
-        text = rounded(value, value, digits) if value != int(value) else f"{value:.0f}"
-        return text.replace("-", "−")
-    return _printed(f"{value:.{digits - 1}e}")
+    return "–" if value is None or math.isnan(value) else printed(numerals.number(value, digits))
 
 
-def _printed(text: str) -> str:
+def printed(text: str) -> str:
     """Return a number's digits as print has them: a minus, and a power of ten raised."""
-    mantissa, e, power = text.partition("e")
-    raised = f" × 10{str(int(power)).translate(_RAISED)}" if e else ""
-    return f"{mantissa}{raised}".replace("-", "−")
+    raised = re.sub(r"e([+-]\d+)", lambda e: f" × 10{str(int(e[1])).translate(_RAISED)}", text)
+    return raised.replace("inf", "∞").replace("-", "−")
 
 
 def sized(value: float | None, size: float, digits: int = 3) -> str:
@@ -97,7 +86,7 @@ def sized(value: float | None, size: float, digits: int = 3) -> str:
     """
     if value is None or math.isnan(value):
         return "–"
-    return _printed(rounded(value, size, digits))
+    return printed(rounded(value, size, digits))
 
 
 def ranged(low: float, high: float, digits: int = 3, between: str = "to") -> str:
@@ -142,20 +131,22 @@ def folded(title: str, content: Markup) -> Markup:
 
 
 def measured(value: float, error: float) -> str:
-    """Return a number with its error estimate, written to the error's digits.
+    """Return a number with its error estimate, as `fibermelt.numerals.measured` writes it."""
+    return "–" if math.isnan(value) else printed(numerals.measured(value, error))
+
+
+def meanings(quantities: Iterable[tuple[str, str]]) -> Markup:
+    """Return titles and what each is, folded; nothing if there are none.
 
     Parameters
     ----------
-    value, error : float
-        The number and its error, in the same unit; an error that is not finite or not above
-        zero is not told.
+    quantities : iterable of (str, str)
+        Title and meaning of each; one without a meaning is left out.
     """
-    if not (math.isfinite(error) and error > 0):
-        return number(value)
-    places = max(0, ERROR_DIGITS - 1 - math.floor(math.log10(error)))
-    if places > -math.log10(SMALLEST) + ERROR_DIGITS:
-        return f"{number(value, 6)} ± {number(error, ERROR_DIGITS)}"
-    return f"{value:.{places}f} ± {error:.{places}f}".replace("-", "−")
+    items = [Markup("<dt>{}</dt><dd>{}</dd>\n").format(*one) for one in quantities if one[1]]
+    if not items:
+        return Markup()
+    return folded("What they are", Markup("<dl>\n{}</dl>").format(Markup().join(items)))
 
 
 def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> Markup:

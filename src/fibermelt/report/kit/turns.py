@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from fibermelt.report.kit.style import BAND, BLUE, INK, VERMILION, Array
+from fibermelt.units import KPA
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,9 +35,6 @@ __all__ = [
 
 COLUMN = 90.0
 """Width of a figure [mm]: one column of a page."""
-
-KPA = 1e-3
-"""Kilopascals in a pascal."""
 
 OURS, JEFFERY = VERMILION, BLUE
 """Colours of the fiber in its cell and of the unbounded one, as in the paper's Fig. 8 and 9."""

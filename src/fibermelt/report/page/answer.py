@@ -10,6 +10,8 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.parts.bead.shapes import SHAPES
+from fibermelt.parts.flow.figures.lines import line_word
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.judged import counted, tally
@@ -23,8 +25,6 @@ __all__ = ["answer"]
 
 MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
 
-NOZZLE = "zone_time"
-"""What only the paths of a nozzle have."""
 
 SOURCES = {"field": "another solver’s field", "histories": "a table"}
 """Where paths come from that were not traced through a flow of ours."""
@@ -91,7 +91,7 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
 
 def _size(results: xr.Dataset) -> float:
     """Return what places are told by [mm]: the capillary's width, or the extent of the paths."""
-    if NOZZLE in results:
+    if not is_given(results):
         return MM * float(parameters(results)["flow.capillary_width"])
     return MM * max(float(np.ptp(results[name].to_numpy())) for name in "xy")
 
@@ -178,7 +178,7 @@ def _risk(found: Mapping[str, Any]) -> str:
 def _place(results: xr.Dataset, x: float, y: float, z: float | None = None) -> str:
     """Return a place [m] in words."""
     size = _size(results)
-    if NOZZLE not in results:
+    if is_given(results):
         told = (
             f"{name} = {sized(MM * value, size)} mm"
             for name, value in zip("xyz", (x, y, z), strict=True)
@@ -194,7 +194,7 @@ def _place(results: xr.Dataset, x: float, y: float, z: float | None = None) -> s
 
 def _where(found: Mapping[str, Any], worst: Mapping[str, Any], results: xr.Dataset) -> str:
     place = _place(results, worst["x"], worst["y"], worst.get("z"))
-    if NOZZLE not in results:
+    if is_given(results):
         return f"The lowest pressure is met {place}, on path {worst['index']}."
     size = _size(results)
     told = (
@@ -236,7 +236,7 @@ def _without_moisture(results: xr.Dataset) -> list[tuple[str, str]]:
         ),
         (
             "Where?",
-            f"It is met {place}, on streamline {int(at['streamline'])}.",
+            f"It is met {place}, on {line_word(results)} {int(at['streamline'])}.",
         ),
         ("What to do?", 'Add "voids" to study.parts: it tells at what moisture a bubble can grow.'),
     ]

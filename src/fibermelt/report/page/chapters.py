@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.report.kit.tables import Column, measured, number, sized, table
+from fibermelt.engine.quantities import Quantity, with_error
+from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
+from fibermelt.report.kit.tables import Column, meanings, measured, number, printed, sized, table
 from fibermelt.report.page.account import parameters
 from fibermelt.report.page.sources import Source, sources_of, written
+from fibermelt.units import MPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "FLOW",
     "cost",
     "files",
     "listed_sources",
@@ -27,75 +30,37 @@ __all__ = [
     "versions",
 ]
 
-MM, MPA = 1e3, 1e-6
-"""Millimetres in a metre, megapascals in a pascal."""
+CELL = ("aspect_ratio", "domain_size", "shape_factor", "stall_angle", "tip_pressure")
+"""What is told of the fiber."""
 
-FLOW = (
-    ("Bead height", "bead_height", MM, "mm"),
-    ("Inlet pressure", "inlet_pressure", MPA, "MPa"),
-    ("Contact point, from the nozzle's axis", "contact_point", MM, "mm"),
-    ("Heel, the melt's foremost point upstream", "heel", MM, "mm"),
-    ("Flux error at the outlet, of the inlet's flux", "mass_imbalance", 1.0, ""),
-    ("Flow through the free surface, in bed speeds", "kinematic_residual", 1.0, ""),
-    ("Newton steps, all meshes together", "newton_steps", 1, ""),
-    ("Unknowns of the flow", "unknowns", 1, ""),
-    ("Triangles of the mesh", "elements", 1, ""),
-)
-"""What is told of the flow: words, name in the summary, factor and unit on the page."""
+COLUMNS = (Column("Quantity", is_text=True), Column("Value"), Column("Unit", is_text=True))
 
 
 def numbers(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
     """Return the numbers of fibers in the bead, with their units and error estimates."""
-    quantity = (Column("Quantity", is_text=True), Column("Value"), Column("Unit", is_text=True))
-    flow = [
-        (words, _with_error(results, name, summary["flow"][name], factor), unit)
-        for words, name, factor, unit in FLOW
-        if name in summary["flow"]
-    ]
+    flow = [one for name, one in FLOW.items() if name in summary["flow"]]
+    fiber = [FIBER[name] for name in CELL]
+    unknowns = [FIBER["cell_unknowns"]] if summary["cell"]["unknowns"] else []
+    in_its_melt = _in_its_melt(summary["cell"])
+    rows = [*_rows(results, fiber), *in_its_melt, *_rows(results, unknowns)]
     return Markup().join(
         [
-            table("The flow, ± estimated error", quantity, flow) if flow else Markup(),
-            table("The fiber, ± estimated error", quantity, _fiber(summary["cell"])),
+            table("The flow, ± estimated error", COLUMNS, _rows(results, flow)) if flow else "",
+            table("The fiber, ± estimated error", COLUMNS, rows),
+            meanings((one.title, one.meaning) for one in (*flow, *fiber, *unknowns)),
             _lines(summary),
         ]
     )
 
 
-def _with_error(results: xr.Dataset, name: str, value: float, factor: float) -> str:
-    if isinstance(value, int):
-        return number(value)
-    error = results.get(f"{name}_error")
-    return measured(factor * value, math.nan if error is None else factor * float(error))
-
-
-def _fiber(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    error = cell.get("error_estimate") or {}
-    stall = cell["stall_angle"]
-    tip = cell["tip_pressure"]
-    size = cell["domain_size"]
-    return [
-        ("Aspect ratio", number(cell["aspect_ratio"]), ""),
-        ("Domain-size factor M", "unbounded" if size is None else number(size), ""),
-        ("Shape factor B", _estimated(cell["shape_factor"], error.get("shape_factor")), ""),
-        (
-            "Angle to simple shear at which it stalls",
-            "it tumbles" if stall is None else number(math.degrees(stall)),
-            "" if stall is None else "°",
-        ),
-        (
-            "Largest surface pressure in simple shear",
-            _estimated(
-                tip, None if error.get("tip_pressure") is None else tip * error["tip_pressure"]
-            ),
-            "viscosity × shear rate",
-        ),
-        *_in_its_melt(cell),
-        (
-            "Unknowns of the cell",
-            number(cell["unknowns"]) if cell["unknowns"] else "closed form",
-            "",
-        ),
-    ]
+def _rows(results: xr.Dataset, quantities: Iterable[Quantity]) -> list[tuple[str, str, str]]:
+    """Return quantities of the results as rows: title, value ± error, unit."""
+    rows = []
+    for one in quantities:
+        value, error = with_error(results, one.name, FLOW | FIBER)
+        unit = "" if math.isnan(value) else one.shown_unit
+        rows.append((one.title, printed(one.written(value, error)), unit))
+    return rows
 
 
 def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
@@ -123,10 +88,6 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     return rows[:2] if len(set(ends)) == 1 else rows
 
 
-def _estimated(value: float, error: float | None) -> str:
-    return number(value) if error is None else measured(value, error)
-
-
 def _lines(summary: Mapping[str, Any]) -> Markup:
     """Return the lowest surface pressures by streamline, above mid-capillary and below it."""
     found = {
@@ -135,7 +96,8 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         if item["kind"] == "min"
     }
     locations = sorted({location for _, location in found})
-    columns = [Column("Streamline", is_text=True), Column("Transit", "s")]
+    word = "streamline" if "bead_height" in summary["flow"] else "path"
+    columns = [Column(word.capitalize(), is_text=True), Column("Transit", "s")]
     for location in locations:
         columns += [Column(f"Loc. {location}, {what}", "MPa") for what in ("mean", "worst")]
     rows = []
@@ -170,7 +132,7 @@ def _lines(summary: Mapping[str, Any]) -> Markup:
         if any(locations)
         else "Loc. 0 is the whole way"
     )
-    return table("Lowest pressure by streamline", columns, rows) + note
+    return table(f"Lowest pressure by {word}", columns, rows) + note
 
 
 def cost(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:

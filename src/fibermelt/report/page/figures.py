@@ -50,9 +50,6 @@ __all__ = ["FIGURES", "draw_figures"]
 SOLVED = "extreme node_x"
 """What only the results of a deposition flow that was solved have."""
 
-ZONED = "extreme zone_time"
-"""What only those of a flow with a nozzle have."""
-
 GIVEN = "extreme field_notes"
 """What only those of a flow from elsewhere have."""
 
@@ -102,7 +99,7 @@ FIGURES = (
         "Pressure on a fiber along a streamline",
         figure_history,
         history_words,
-        needs=ZONED,
+        needs=SOLVED,
         paper="Fig. 16",
     ),
     Plate(
@@ -110,7 +107,7 @@ FIGURES = (
         "Pressure and orientation over time",
         figure_profiles,
         profiles_words,
-        needs=ZONED,
+        needs=SOLVED,
         paper="Fig. 17",
     ),
     Plate(
@@ -118,7 +115,7 @@ FIGURES = (
         "Extremes of pressure by streamline",
         figure_extremes,
         extremes_words,
-        needs=ZONED,
+        needs=SOLVED,
         paper="Fig. 18",
     ),
     Plate(
@@ -134,7 +131,7 @@ FIGURES = (
         "Orientation at the zones",
         figure_alignment,
         alignment_words,
-        needs=ZONED,
+        needs="zone_angle",
         paper="Fig. 20",
     ),
     *ORIENTATION_FIGURES,

@@ -65,7 +65,7 @@ def render(
         answer=answer(results, summary),
         account=opening,
         overview=overview,
-        bead=Markup(bead_data(results)) if NEEDS in results else None,  # escaped there
+        bead=Markup(bead_data(results)) if NEEDS.issubset(results) else None,  # escaped there
         sections=told(results, summary, figures),
         style=Markup(page_file("style.css")),
         script=Markup(page_file("bead.js")),

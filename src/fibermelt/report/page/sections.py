@@ -7,12 +7,13 @@ summary to HTML, with `fibermelt.report.kit.tables.table` for rows. What is not 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
 from fibermelt.paper.orbits.section import dimensions, shear
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.orientation.section import content, orientation
 from fibermelt.parts.thinning.figures import thinning
 from fibermelt.parts.voids.section import voids
@@ -45,6 +46,8 @@ class Section:
         Its address within the page.
     title : str
         Its heading.
+    given : str
+        Its heading of the paths of a flow from elsewhere; empty where it is the same.
     needs : str
         A variable of the results, or a key of the summary, without which it has no words; empty
         if they need none.
@@ -59,6 +62,7 @@ class Section:
     needs: str = ""
     html: Html = _no_words
     figures: tuple[str, ...] = ()
+    given: str = ""
 
 
 SECTIONS = (
@@ -101,6 +105,7 @@ SECTIONS = (
             "path-histories",
             "path-extremes",
         ),
+        given="Fibers along the paths",
     ),
     Section(
         "two-and-three",
@@ -116,6 +121,7 @@ SECTIONS = (
         "orientation_tensor",
         orientation,
         ("orientation", "orientation-history"),
+        "Orientation along the paths",
     ),
     Section("risk", "Where it can void", "voids", voids, ("voids",)),
     Section("claims", "The paper's claims", "claims", claims),
@@ -172,5 +178,6 @@ def told(
         words = section.html(results, summary) if there else Markup()
         own = tuple(figures[name] for name in section.figures if name in figures)
         if words or own:
-            found.append(Told(section, words, own))
+            title = section.given if section.given and is_given(results) else section.title
+            found.append(Told(replace(section, title=title), words, own))
     return found

@@ -10,9 +10,11 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.engine.progress import duration
-from fibermelt.report.kit.tables import ERROR_DIGITS, Column, fixed, number, table
+from fibermelt.numerals import ERROR_DIGITS
+from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
+from fibermelt.report.kit.tables import Column, fixed, number, table
 from fibermelt.report.page.account import parameters
-from fibermelt.report.page.chapters import FLOW, listed_sources, listed_versions
+from fibermelt.report.page.chapters import listed_sources, listed_versions
 from fibermelt.report.page.sources import USES, Source, read_sources, sources_of
 
 if TYPE_CHECKING:
@@ -79,20 +81,20 @@ def _started(computed: Computed) -> Markup:
 def _errors(collected: xr.Dataset, found: SweepTable) -> Markup:
     """Return the largest error that any flow states of itself, and in which case."""
     rows = []
-    for words, name, factor, unit in FLOW:
-        if f"{name}_error" not in collected or name not in collected:
+    for one in FLOW.values():
+        if not one.title or one.error not in collected or one.name not in collected:
             continue
-        errors = _over_cases(collected, f"{name}_error")
+        errors = _over_cases(collected, one.error)
         if not np.isfinite(errors).any():
             continue
         case = int(np.nanargmax(errors))
-        value = float(_over_cases(collected, name)[case])
+        value = float(_over_cases(collected, one.name)[case])
         rows.append(
             (
-                words,
-                number(factor * float(errors[case]), ERROR_DIGITS),
-                number(factor * value),
-                unit or "–",
+                one.title,
+                number(one.factor * float(errors[case]), ERROR_DIGITS),
+                number(one.factor * value),
+                one.shown_unit or "–",
                 Markup("{}. {}").format(case + 1, found.point(case)),
             )
         )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from fibermelt.report.kit.tables import Column, number, table
+from fibermelt.report.kit.tables import Column, meanings, number, table
 from fibermelt.report.page.account import account
 from fibermelt.report.sweep.weighing import weighing_told
 from fibermelt.sweeps.descriptions import distribution_told
@@ -163,7 +163,7 @@ def responses_told(found: SweepTable) -> Markup:
     whole = _spread_told(found, there)
     if found.weighing is not None:
         whole += _spread_told(found, there, found.weighing)
-    whole += _meanings(there)
+    whole += meanings((one.title, one.meaning) for one in there)
     if len(found.status) > MOST_CASES:
         return whole + Markup(
             "<p>The numbers of each case: fibermelt collect writes them into sweep.nc.</p>\n"
@@ -181,20 +181,6 @@ def responses_told(found: SweepTable) -> Markup:
     ]
     each = table("Responses of each case", columns, rows)
     return whole + Markup("<details><summary>Case by case</summary>\n{}</details>\n").format(each)
-
-
-def _meanings(responses: Sequence[Response]) -> Markup:
-    """Return what those responses are whose titles do not say it."""
-    told = [
-        Markup("<dt>{}</dt><dd>{}</dd>\n").format(one.title, one.meaning)
-        for one in responses
-        if one.meaning
-    ]
-    if not told:
-        return Markup()
-    return Markup("<details><summary>What they are</summary>\n<dl>\n{}</dl></details>\n").format(
-        Markup().join(told)
-    )
 
 
 def _spread_told(

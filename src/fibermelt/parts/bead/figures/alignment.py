@@ -10,7 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from fibermelt.parts.bead.figures.spread import by_streamline, draw_fibers, draw_mean, spread_key
-from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, regular
+from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, line_word, regular
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.report.kit.style import (
     BAND,
     FULL,
@@ -80,22 +81,26 @@ def isotropic_angles(start: Array, found: Array) -> Array | None:
     return np.asarray(np.arctan2(y, x))
 
 
-def _zone_angles(results: xr.Dataset, zone: int) -> Array:
-    """Return the angles to the streamline at a zone [rad], (streamline, initial_angle)."""
-    angle = results["zone_angle"].isel(zone=zone).transpose("streamline", "initial_angle")
-    return within_quarter_turn(angle.to_numpy())
+def _zone_angles(results: xr.Dataset) -> dict[int, Array]:
+    """Return the angles to the streamline by zone [rad], (streamline, initial_angle) each.
+
+    NaN on paths that end before it.
+    """
+    angle = results["zone_angle"].transpose("zone", "streamline", "initial_angle").to_numpy()
+    return dict(zip(results["zone"].to_numpy().tolist(), within_quarter_turn(angle), strict=True))
 
 
 @styled
 def figure_alignment(results: xr.Dataset) -> Figure:
-    """Draw the angle to the streamline by streamline, at the three zones."""
+    """Draw the angle to the streamline by streamline, at the zones."""
     figure = new_figure(FULL, 82)
     number, start = results["streamline"].to_numpy(), results["initial_angle"].to_numpy()
-    angles = [_zone_angles(results, zone) for zone in range(len(ZONES))]
-    most = 30.0 * float(np.ceil(max(np.degrees(np.abs(a)).max() for a in angles) / 30.0))
-    for zone, name in enumerate(ZONES):
-        axes = add_axes(figure, 13 + 60 * zone, 9, 55, 62)
-        angle = angles[zone]
+    angles = _zone_angles(results)
+    most = 30.0 * float(
+        np.ceil(max(np.degrees(np.nanmax(np.abs(a))) for a in angles.values()) / 30.0)
+    )
+    for k, (zone, angle) in enumerate(angles.items()):
+        axes = add_axes(figure, 13 + 60 * k, 9, 55, 62)
         everywhere = isotropic_angles(start, angle)
         if everywhere is not None:
             near = np.degrees(within_quarter_turn(everywhere))
@@ -107,9 +112,9 @@ def figure_alignment(results: xr.Dataset) -> Figure:
         draw_fibers(axes, results, np.degrees(angle))
         draw_mean(axes, results, np.degrees(angle.mean(axis=1)))
         by_streamline(axes, results)
-        letter(axes, f"{'abc'[zone]}  zone {zone + 1}, {name}")
-        if zone == 0:
-            axes.set_ylabel("angle to the streamline [°]")
+        letter(axes, f"{'abc'[k]}  zone {zone}, {ZONES[zone - 1]}")
+        if k == 0:
+            axes.set_ylabel(f"angle to the {line_word(results)} [°]")
             key_above(axes, _key(results), 1.085, columns=5, between=1.4)
         else:
             axes.tick_params(labelleft=False)
@@ -128,27 +133,34 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
 
 def alignment_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_alignment`."""
-    steady = regular(results)
-    told = []
-    for zone in range(len(ZONES)):
-        away = np.degrees(np.abs(_zone_angles(results, zone)))
+    word, told = line_word(results), []
+    angles = _zone_angles(results)
+    for zone, angle in angles.items():
+        away = np.degrees(np.abs(angle))
         half = np.median(away, axis=1)
+        steady = regular(results) & np.isfinite(half)
+        if not steady.any():
+            continue
         calm = int(np.argmax(np.where(steady, half, -1.0)))
         told.append(
-            f"at zone {zone + 1} half of them within {half[steady].min():.0f}° to "
-            f"{half[calm]:.0f}°, the latter on streamline {int(results['streamline'][calm])}"
+            f"at zone {zone} half of them within {half[steady].min():.0f}° to "
+            f"{half[calm]:.0f}°, the latter on {word} {int(results['streamline'][calm])}"
         )
-    near = at_corners(results, "Diamonds: streamlines", ", near a singular corner.")
+    near = at_corners(results, f"Diamonds: {word}s", ", near a singular corner.")
+    zones = (
+        "zones 1 to 3" if len(angles) == len(ZONES) else f"zone {' and '.join(map(str, angles))}"
+    )
+    opening = "Angle" if is_given(results) else "Fig. 20 of the paper: angle"
     return Words(
         caption=(
-            "Fig. 20 of the paper: angle of the fibers to the streamline at zones 1 to 3, by "
-            f"streamline, for fibers of {initial_angles(results)} (points; line: their mean). "
+            f"{opening} of the fibers to the {word} at {zones}, by "
+            f"{word}, for fibers of {initial_angles(results)} (points; line: their mean). "
             "Bounds over all initial angles would be the whole half turn, as every direction is "
             "that of some start; the bands hold the middle shares of evenly spread starts, exact "
-            f"by the one linear map that all directions of a streamline share.{near}"
+            f"by the one linear map that all directions of a {word} share.{near}"
         ),
         alt=(
-            "Three charts by streamline of the fibers' angles to it, either way: "
+            f"Charts by {word} of the fibers' angles to it at {zones}, either way: "
             f"{'; '.join(told)}."
         ),
     )

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.tri import TriContourSet
 
+from fibermelt.engine.results import study_of
 from fibermelt.parts.bead.figures.surroundings import (
     LEVELS,
     draw_contours,
@@ -18,7 +19,6 @@ from fibermelt.parts.bead.figures.surroundings import (
     net,
     rotation,
 )
-from fibermelt.parts.variables import study_of
 from fibermelt.report.kit.drawing import curves, frame, scene_axes
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["NEEDS", "bead_data"]
 
-NEEDS = "zone_angle"
-"""A variable that only results of fibers in the bead have."""
+NEEDS = frozenset({"zone_angle", "node_x"})
+"""Variables that only results of fibers in the bead have together."""
 
 LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
 """From SI to the page's whole numbers."""

@@ -58,6 +58,13 @@ MOST_LINES = 200
 SHARP = 0.8
 """Cosine between two faces of a boundary below which their edge is drawn: 37 degrees."""
 
+PLACES = {
+    0: "on the way",
+    1: "above the middle of the capillary (Loc. 1)",
+    2: "below it (Loc. 2)",
+}
+"""The locations of extremes, in words."""
+
 PLANES = (("x", "y"), ("x", "z"), ("z", "y"))
 VIEWS = ("from its side", "from above", "along the x axis")
 """Projections of a flow in space."""
@@ -253,36 +260,48 @@ def path_histories_words(results: xr.Dataset) -> Words:
 
 @styled
 def figure_path_extremes(results: xr.Dataset) -> Figure:
-    """Draw lowest and highest surface pressure less the melt's own, by path."""
-    figure = new_figure(FULL, 68)
-    for k, kind in enumerate(("min", "max")):
-        axes = add_axes(figure, 13 + 95 * k, 10, 80, 43)
-        draw_spread(axes, results, 0, kind)
-        letter(axes, f"{'ab'[k]}  {('lowest', 'highest')[k]} on the way")
-        axes.set_xlabel("path")
-        if k == 0:
-            axes.set_ylabel("less the melt's own [MPa]")
-            key_above(axes, spread_key(results), 1.14, columns=6, between=1.1)
+    """Draw lowest and highest surface pressure less the melt's own by path, at each location."""
+    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    figure = new_figure(FULL, 12 + 56 * len(places))
+    for row, place in enumerate(places):
+        for k, kind in enumerate(("min", "max")):
+            axes = add_axes(figure, 13 + 95 * k, 10 + 56 * (len(places) - 1 - row), 80, 43)
+            draw_spread(axes, results, row, kind)
+            letter(axes, f"{'abcd'[2 * row + k]}  {('lowest', 'highest')[k]} {place}")
+            if k == 0:
+                axes.set_ylabel("less the melt's own [MPa]")
+                if row == 0:
+                    key_above(axes, spread_key(results), 1.14, columns=6, between=1.1)
     return figure
 
 
 def path_extremes_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_path_extremes`."""
     steady = regular(results)
-    value = MPA * results["extreme"].isel(location=0).mean("initial_angle")
-    low, high = (value.sel(kind=kind).to_numpy()[steady] for kind in ("min", "max"))
+    value = MPA * results["extreme"].mean("initial_angle").transpose("streamline", ...)
+    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    told = []
+    for row, place in enumerate(places):
+        low, high = (
+            value.isel(location=row).sel(kind=kind).to_numpy()[steady] for kind in ("min", "max")
+        )
+        told.append(
+            f"{place} the lowest from {ranged(low.min(), low.max())} MPa, the highest from "
+            f"{ranged(high.min(), high.max())} MPa"
+        )
     error = MPA * float(results["extreme_error"].to_numpy()[steady].max())
+    where = "over the whole way" if len(places) == 1 else f"{places[0]} and {places[1]}"
     return Words(
         caption=(
-            "Extremes of the surface pressure less the melt's own over the whole way, by path, for "
+            f"Extremes of the surface pressure less the melt's own {where}, by path, for "
             f"fibers of {initial_angles(results)} (points; mean blue, median red). Wide band: the "
             "bounds over every orientation, from the mildest to the worst; narrow band: quantiles "
             "of an isotropic start. The points' spacing and the gradient's error leave "
             f"{short(error, 2)} MPa at most."
         ),
         alt=(
-            "Two charts by path of extreme pressures on fibers less the melt's own: on the mean "
-            f"over the initial angles the lowest from {ranged(low.min(), low.max())} MPa, the "
-            f"highest from {ranged(high.min(), high.max())} MPa."
+            f"{('Two', 'Four')[len(places) - 1]} charts by path of extreme pressures on fibers "
+            "less the melt's own: on the mean over the initial angles "
+            f"{'; '.join(told)}."
         ),
     )

@@ -12,6 +12,7 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import LinearTriInterpolator
 
+from fibermelt.engine.results import study_of
 from fibermelt.parts.bead.figures.surroundings import (
     LEVELS,
     Instant,
@@ -31,7 +32,6 @@ from fibermelt.parts.flow.figures.timeline import (
     on_fibers,
     span,
 )
-from fibermelt.parts.variables import study_of
 from fibermelt.report.kit.drawing import scene_axes
 from fibermelt.report.kit.scene import MM, MPA, Window
 from fibermelt.report.kit.style import (

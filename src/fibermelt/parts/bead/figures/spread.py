@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from fibermelt.parts.flow.figures.lines import initial_angles, named, regular
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.report.kit.drawing import on_paper, spread_out
 from fibermelt.report.kit.scene import MPA
 from fibermelt.report.kit.style import BAND, LOW, Array, key_mark
@@ -68,7 +69,7 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
     axes.set_xlim(number[0] - 0.7, number[-1] + 0.7)
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
-    axes.set_xlabel("streamline, from the left edge")
+    axes.set_xlabel("path" if is_given(results) else "streamline, from the left edge")
     shown = named(results)
     axes.set_xticks(number[[*shown]], [str(number[row]) for row in shown])
     labels = axes.get_xticklabels()

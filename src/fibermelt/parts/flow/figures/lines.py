@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.parts.variables import has_conditions_of_paper, study_of
+from fibermelt.engine.results import has_conditions_of_paper, study_of
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.report.kit.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ __all__ = [
     "evenly",
     "features",
     "initial_angles",
+    "line_word",
     "named",
     "numbered",
     "regular",
@@ -74,7 +76,7 @@ def features(results: xr.Dataset) -> list[Feature]:
     numbers = results["streamline"].to_numpy().tolist()
     asked = study_of(results).get("streamlines", {}).get("features", [])
     rows = [numbers.index(number) for number in dict.fromkeys(asked) if number in numbers]
-    if not rows or ("field_notes" in results and len(rows) < len(asked)):
+    if not rows or (is_given(results) and len(rows) < len(asked)):
         fraction = results["flux_fraction"].to_numpy()
         shares = [(number - 0.5) / PAPER_COUNT for number in FEATURES]
         rows = [int(np.argmin(np.abs(fraction - share))) for share in shares]
@@ -86,6 +88,11 @@ def center_feature(results: xr.Dataset) -> Feature:
     """Return the marked streamline nearest to the middle of the flux: the paper's 10."""
     fraction = results["flux_fraction"].to_numpy()
     return min(features(results), key=lambda feature: abs(float(fraction[feature.row]) - 0.5))
+
+
+def line_word(results: xr.Dataset) -> str:
+    """Return what a line that fibers are followed along is called, in one word."""
+    return "path" if is_given(results) else "streamline"
 
 
 def against_paper(results: xr.Dataset, text: str) -> str:

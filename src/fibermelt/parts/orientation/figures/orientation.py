@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from fibermelt.parts.flow.figures.along import MARKS
 from fibermelt.parts.flow.figures.carpet import weave
-from fibermelt.parts.flow.figures.lines import Feature, features
+from fibermelt.parts.flow.figures.lines import Feature, features, line_word
 from fibermelt.parts.orientation.figures.tensors import (
     angle_from,
     closure_row,
@@ -184,12 +184,14 @@ def figure_tensor_history(results: xr.Dataset) -> Figure:
     _along(first, results, component_along(results))
     _along(second, results, tensors(results)[..., 2, 2])
     told = [
-        ("along the streamline", "a  component along the streamline"),
+        (f"along the {line_word(results)}", f"a  component along the {line_word(results)}"),
         ("$a_{zz}$", "b  component across the plane of the flow"),
     ]
     if is_judged:
         _closures(panels[2], results)
-        told.append(("component", f"c  streamline {_number(results)}: closure and distribution"))
+        told.append(
+            ("component", f"c  {line_word(results)} {_number(results)}: closure and distribution")
+        )
     for axes, (name, text) in zip(panels, told, strict=True):
         axes.set_xlim(0.0, end)
         axes.set_ylim(0.0, 1.0)
@@ -214,17 +216,20 @@ def _along(axes: Axes, results: xr.Dataset, values: Array) -> None:
     """Draw values along the marked streamlines, with their zones."""
     for feature in features(results):
         time = results["time"].to_numpy()[feature.row]
-        label = f"streamline {feature.number}"
+        label = f"{line_word(results)} {feature.number}"
         axes.plot(time, values[feature.row], color=feature.color, linewidth=1.4, label=label)
-        _zones(axes, results, feature, values[feature.row])
+        if "zone_time" in results:
+            _zones(axes, results, feature, values[feature.row])
     axes.axhline(1 / 3, color=GREY, linewidth=0.7, linestyle=(0, (1, 1.5)))
 
 
 def _zones(axes: Axes, results: xr.Dataset, feature: Feature, values: Array) -> None:
     time, zones = (results[n].to_numpy()[feature.row] for n in ("time", "zone_time"))
-    for when, mark in zip(zones, MARKS, strict=True):
+    for when, zone in zip(zones, results["zone"].to_numpy(), strict=True):
         value = np.interp(when, time, values)
-        axes.plot(when, value, mark, mfc="white", mec=feature.color, markersize=4.5, zorder=3)
+        axes.plot(
+            when, value, MARKS[zone - 1], mfc="white", mec=feature.color, markersize=4.5, zorder=3
+        )
 
 
 def _closures(axes: Axes, results: xr.Dataset) -> None:
@@ -253,7 +258,7 @@ ORIENTATION_FIGURES = (
         "Orientation along streamlines",
         figure_tensor_history,
         history_words,
-        f"{TENSOR} zone_time",
+        TENSOR,
     ),
 )
 """What is drawn of the stage "orientation"."""

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fibermelt.parts.flow.figures.lines import features
+from fibermelt.parts.flow.figures.lines import features, line_word
+from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.figures.tensors import (
     angle_from,
@@ -71,9 +72,9 @@ def across_words(results: xr.Dataset) -> Words:
 
 def history_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text of `figure_tensor_history`."""
-    along = component_along(results)
+    along, word = component_along(results), line_word(results)
     told = "; ".join(
-        f"on streamline {f.number} it reaches {along[f.row].max():.2f} and ends at "
+        f"on {word} {f.number} it reaches {along[f.row].max():.2f} and ends at "
         f"{along[f.row, -1]:.2f}"
         for f in features(results)
     )
@@ -82,15 +83,18 @@ def history_words(results: xr.Dataset) -> Words:
         panels = "Three"
         error = float(results["closure_error"].max())
         follows = f" The closure follows the distribution to within {error:.3f}."
+    marks = "; marks: zones" if "zone_time" in results else ""
+    course = "rises on the way to the capillary and falls where the melt turns"
+    if is_given(results):
+        course = "over the whole way"
     return Words(
         caption=(
-            f"Orientation along the marked streamlines: {_model(results)}. (a) Component along the "
-            "streamline, (b) across the plane of the flow; dotted: isotropic; marks: zones 1 to 3."
-            f"{_judged(results)}"
+            f"Orientation along the marked {word}s: {_model(results)}. (a) Component along the "
+            f"{word}, (b) along z; dotted: isotropic{marks}.{_judged(results)}"
         ),
         alt=(
-            f"{panels} panels of curves over time. The component along the streamline rises on the "
-            f"way to the capillary and falls where the melt turns: {told}.{follows}"
+            f"{panels} panels of curves over time. The component along the {word} {course}: "
+            f"{told}.{follows}"
         ),
     )
 
@@ -103,9 +107,9 @@ def _judged(results: xr.Dataset) -> str:
     time, error = results["time"].to_numpy()[row], results["closure_error"].to_numpy()
     worst = int(np.argmax(error))
     return (
-        f" (c) Along streamline {int(results['closure_streamline'])}, the closure (coloured) "
-        "and the distribution itself (dashed, Fokker-Planck, in error by up to "
+        f" (c) Along {line_word(results)} {int(results['closure_streamline'])}, the closure "
+        "(coloured) and the distribution itself (dashed, Fokker-Planck, in error by up to "
         f"{float(results['closure_exact_error']):.0e}); filled: the largest difference of a "
         f"component, at most {error[worst]:.3f} at {number(time[worst], 3)} s and "
-        f"{error[-1]:.3f} in the finished bead."
+        f"{error[-1]:.3f} {'at its end' if is_given(results) else 'in the finished bead'}."
     )

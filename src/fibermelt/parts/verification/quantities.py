@@ -1,10 +1,13 @@
-"""The variables of the verification ladder in results.nc; merged into `study.variables`."""
+"""What is stored of the verification ladder."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["COLUMNS", "VERIFICATION_VARIABLES"]
+from fibermelt.engine.quantities import Quantity as Q
+from fibermelt.engine.quantities import declared
+
+__all__ = ["COLUMNS", "QUANTITIES"]
 
 COLUMNS: Mapping[str, str] = {
     "name": "the check in a few words",
@@ -22,10 +25,12 @@ COLUMNS: Mapping[str, str] = {
 }
 """Columns of the table without a unit of their own, each a variable ``check_<column>``."""
 
-VERIFICATION_VARIABLES: Mapping[str, tuple[str, str, str]] = {
-    **{f"check_{column}": ("check", "1", what) for column, what in COLUMNS.items()},
-    "check_seconds": ("check", "s", "time that the check took"),
-    "check_ladder": ("", "1", "how much of the ladder was climbed: brief, quick or full"),
-    "check_software": ("", "1", "versions of what computed, when it was climbed"),
-}
-"""``{name: (dimensions, unit, long name)}``, as `fibermelt.parts.variables.VARIABLES`."""
+# fmt: off
+QUANTITIES = declared(
+    *(Q(f"check_{column}", "check", "1", what) for column, what in COLUMNS.items()),
+    Q("check_seconds", "check", "s", "time that the check took"),
+    Q("check_ladder", "", "1", "how much of the ladder was climbed: brief, quick or full"),
+    Q("check_software", "", "1", "versions of what computed, when it was climbed"),
+)
+# fmt: on
+"""What this part stores, by name."""
