@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
@@ -47,12 +48,8 @@ APART = 0.24
 
 
 def _names(results: xr.Dataset) -> dict[str, str]:
-    size = float(results["dimension_domain_size"])
-    return {
-        "confined-ellipse": f"ellipse in its cell, M = {size:g}",
-        "ellipse": "ellipse, unbounded",
-        "spheroid": "spheroid, unbounded",
-    }
+    cell = f", M = {float(results['dimension_domain_size']):g}"
+    return {name: SHAPES[name].label + cell * SHAPES[name].has_cell for name in LOOKS}
 
 
 def _middle(results: xr.Dataset) -> int:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.parts.bead.beside import MODELS as MODELS_BESIDE
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.report.kit.scene import MPA
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, fixed, number, short
@@ -14,11 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["dimensions"]
 
-MODELS = {
-    "confined-ellipse": "ellipse in its cell",
-    "ellipse": "ellipse, unbounded",
-    "spheroid": "spheroid, unbounded",
-}
+MODELS = {name: SHAPES[name].label for name in MODELS_BESIDE}
 """What the models are called in a table's head."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from fibermelt.paper.claims.section import counted, tally
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.flow.figures.lines import line_word
 from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.voids.advice import advice
@@ -25,13 +26,6 @@ __all__ = ["answer"]
 
 MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
 
-FIBERS = {
-    "confined-ellipse": "ellipses in their cells",
-    "ellipse": "unbounded ellipses",
-    "spheroid": "unbounded spheroids",
-    "ellipsoid": "unbounded ellipsoids of three axes",
-}
-"""What stands for the fibers, in words."""
 
 SOURCES = {"field": "another solver’s field", "histories": "a table"}
 """Where paths come from that were not traced through a flow of ours."""
@@ -79,14 +73,14 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
         return (
             f"{count} path{'' if count == 1 else 's'} of {SOURCES[values['flow.source']]}; melt of "
             f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect ratio "
-            f"{short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]})."
+            f"{short(values['fiber.aspect_ratio'])} ({SHAPES[values['fiber.model']].plural})."
         )
     return (
         f"A bead {number(MM * summary['flow']['bead_height'], 3)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
         f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
         f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect "
-        f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
+        f"ratio {short(values['fiber.aspect_ratio'])} ({SHAPES[values['fiber.model']].plural}), on "
         f"{count} streamline{'' if count == 1 else 's'}."
     )
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.report.kit.templates import rendered
 
 __all__ = ["USES", "Source", "Use", "read_sources", "sources_of", "written"]
@@ -98,14 +99,14 @@ COMPARED = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
 def _unbounded(values: Mapping[str, Any]) -> bool:
     """Tell whether the closed forms of a fiber in an unbounded melt answer for it."""
     parts = {"orbits", "dimensions", "interaction", "orientation", "voids"}
-    return values["fiber.model"] != "confined-ellipse" or _has(*parts)(values)
+    return not SHAPES[values["fiber.model"]].has_cell or _has(*parts)(values)
 
 
 def _confined(values: Mapping[str, Any]) -> bool:
     """Tell whether a fiber in its cell is solved for by finite elements."""
     if _has("interaction", "orbits", "dimensions")(values):
         return True
-    return values["fiber.model"] == "confined-ellipse" and _has("bead")(values)
+    return SHAPES[values["fiber.model"]].has_cell and _has("bead")(values)
 
 
 def _interacting(values: Mapping[str, Any]) -> bool:
