@@ -44,10 +44,12 @@ def test_numbers_of_numpy_are_numbers():
     assert fm.Ellipse(np.float32(42e-6), np.int64(6)).aspect_ratio == 6
 
 
-@pytest.mark.parametrize("value", [3.5, 1, 7])
-def test_an_order_is_a_whole_number(value):
-    with pytest.raises(fm.ConfigError, match=r"^numerics\.flow_order = .*a whole number$"):
-        fm.FlowNumerics(order=value)
+@pytest.mark.parametrize(
+    ("value", "what"), [(3.5, "a whole number"), (1, "at least 2"), (7, "at most 6")]
+)
+def test_an_order_is_a_whole_number(value, what):
+    with pytest.raises(fm.ConfigError, match=rf"^numerics\.flow_order = .*must be {what}$"):
+        fm.FlowNumerics(flow_order=value)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +102,7 @@ def test_a_cell_in_place_of_its_response(call):
             ),
         ),
         ("problem is of the type Nozzle", lambda: fm.solve_deposition(fm.Nozzle())),
-        ("numerics.growth = '0.3'", lambda: fm.FlowNumerics(growth="0.3")),
+        ("numerics.edge_growth = '0.3'", lambda: fm.FlowNumerics(edge_growth="0.3")),
     ],
 )
 def test_what_is_of_another_kind_is_refused_by_name(said, call):

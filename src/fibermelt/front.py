@@ -26,7 +26,7 @@ from fibermelt.engine.runner import run_study as run_into
 from fibermelt.engine.runner import summarize
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import ConfigError, legible
-from fibermelt.report.page.lazily import draw, render
+from fibermelt.report.page import draw, render
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study, resolve
 from fibermelt.sweeps.collect import collect_sweep

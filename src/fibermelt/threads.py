@@ -8,12 +8,13 @@ outside of `fibermelt.flow` and `fibermelt.fiber.cell` is `exclusive`: others wa
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import wraps
 from threading import RLock
 from typing import ParamSpec, TypeVar
 
-__all__ = ["exclusive"]
+__all__ = ["cores", "exclusive"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -31,3 +32,8 @@ def exclusive(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **kwargs)
 
     return entered
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

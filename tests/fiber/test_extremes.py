@@ -174,7 +174,7 @@ def test_statistics_over_the_initial_angles() -> None:
 def test_isotropic_quantiles() -> None:
     bundle = FlowHistory.stack([wandering(seed, 40) for seed in range(2)])
     middle = np.array([1.0, 2.0])
-    found = isotropic_pressure(bundle, RESPONSE, MU, middle)
+    found = isotropic_pressure(bundle, RESPONSE, MU, middle, 20_000)
     bounds = pressure_bounds(bundle, RESPONSE, MU)
     sides = extreme_bounds(bundle, bounds, middle)
     assert found.lowest.shape == (2, 40, 3)
@@ -190,9 +190,9 @@ def test_isotropic_quantiles() -> None:
     phase = 2.0 * np.pi * np.arange(100_000) / 100_000
     exact = np.quantile(RESPONSE.support(phase), [0.05, 0.5, 0.95])
     amplitude = bounds.highest[:, :1] / RESPONSE.support.largest
-    # the exact quantiles against those of 100,000 angles: 1e-5 of the turn, in a slope below three
-    assert found.highest[:, 0] == pytest.approx(amplitude * exact, rel=3e-5)
-    assert found.lowest[:, 0] == pytest.approx(-amplitude * exact[::-1], rel=3e-5)
+    # 20,000 angles are 3e-4 apart as phases, in a slope below three
+    assert found.highest[:, 0] == pytest.approx(amplitude * exact, rel=1e-3)
+    assert found.lowest[:, 0] == pytest.approx(-amplitude * exact[::-1], rel=1e-3)
 
 
 def test_bad_input() -> None:

@@ -23,7 +23,7 @@ from fibermelt.fiber import (
     surface_pressure,
     unbounded_spheroid,
 )
-from fibermelt.fiber.models import MODELS, confined_model, unbounded_model
+from fibermelt.fiber.models import confined_model, unbounded_model
 from fibermelt.fiber.section import planar_section
 from fibermelt.fiber.spatial import follow_spatial, half_sphere, spatial_pressure
 from fibermelt.fiber.surroundings import surroundings
@@ -95,7 +95,9 @@ def test_the_section_is_the_pressure_on_the_spheroid(
 
 
 def test_the_known_numbers_of_six() -> None:
-    ellipse, section = (unbounded_model(name, Ellipse(1.0, 6.0)) for name in MODELS[1:3])
+    ellipse, section = (
+        unbounded_model(name, Ellipse(1.0, 6.0)) for name in ("ellipse", "spheroid")
+    )
     assert ellipse.response.tip_pressure == pytest.approx(7.0, rel=ROUNDING)
     assert section.response.tip_pressure == pytest.approx(15.53, abs=0.005)  # printed digits
     found = orbit(section.response, 1.0, VISCOSITY)

@@ -50,7 +50,7 @@ def every_nth(history: FlowHistory, every: int) -> FlowHistory:
     return FlowHistory(*(column[::every] for column in columns))
 
 
-@pytest.fixture(scope="module", params=["cell-edge", "far-node"])
+@pytest.fixture(scope="module", params=["mean", "far-node"])
 def system(request: pytest.FixtureRequest) -> CellSystem:
     return build_system(FIBER, 4.0, CellNumerics(order=4, pressure_reference=request.param))
 

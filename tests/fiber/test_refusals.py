@@ -110,12 +110,6 @@ RATIOS: dict[str, Call] = {
     ),
     "FiberResponse": lambda r: fiber.FiberResponse(r, 0.9, PLANE.surface, PLANE.basis),
 }
-EQUIVALENTS: dict[str, Call] = {
-    "cox_cylinder_ratio": fiber.cox_cylinder_ratio,
-    "cox_ellipse_ratio": fiber.cox_ellipse_ratio,
-    "zhang_cylinder_ratio": fiber.zhang_cylinder_ratio,
-    "zhang_ellipse_ratio": fiber.zhang_ellipse_ratio,
-}
 NUMBERS: dict[str, tuple[Call, str]] = {
     "planar_directions": (lambda x: fiber.planar_directions([0.0, x]), "angles[1]"),
     "jeffery_angle time": (lambda x: fiber.jeffery_angle(x, 1.0, 6.0), "time"),
@@ -211,13 +205,6 @@ def test_an_aspect_ratio_that_is_none(name: str, value: float) -> None:
     with pytest.raises(ConfigError, match=pattern) as caught:
         call(value)
     assert f"{value:g}" in str(caught.value) or "must be finite" in str(caught.value)
-
-
-@pytest.mark.parametrize("value", [0.0, -2.0, np.nan, np.inf])
-@pytest.mark.parametrize("name", EQUIVALENTS)
-def test_an_equivalent_ratio_out_of_range(name: str, value: float) -> None:
-    with pytest.raises(ConfigError, match=rf"aspect ratio = {value:g}: "):
-        EQUIVALENTS[name](value)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

@@ -139,7 +139,7 @@ def test_mesh_and_error_estimate(paper_flow: FlowSolution, coarse_flow: FlowSolu
         assert change < 5 * getattr(coarse_flow.error, name), name
 
 
-@pytest.mark.parametrize("change", [{"lip_edge": 1e-4}, {"surface_edge": 0.04}, {"order": 4}])
+@pytest.mark.parametrize("change", [{"lip_edge": 1e-4}, {"surface_edge": 0.04}, {"flow_order": 4}])
 def test_error_estimate_is_honest(
     paper_flow: FlowSolution, paper_problem: Deposition, change: dict[str, float]
 ) -> None:

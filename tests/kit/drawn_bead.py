@@ -221,6 +221,7 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
         "extreme_pressure": value + at(lines["pressure"]),
         "extreme_bounds": np.stack([-sides[..., ::-1], sides], axis=-2),
         "extreme_quantiles": sign[:, None] * most[..., None, None] * LEVELS,
+        "extreme_quantiles_error": 1e-3 * most[..., None, None] * np.ones((2, 3)),
     }
 
 

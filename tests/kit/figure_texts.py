@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from fibermelt.report.kit.style import STYLE
 
 
 def _tick_labels(axes: Axes) -> list[Text]:
@@ -28,3 +33,14 @@ def texts(figure: Figure) -> list[Text]:
         if legend is not None:
             found += legend.get_texts()
     return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+def shown(figure: Figure) -> list[tuple[str, Bbox, float]]:
+    """Return every text of a figure with the place that it takes and its size [points]."""
+    canvas = FigureCanvasAgg(figure)
+    with mpl.rc_context(STYLE):
+        canvas.draw()
+        return [
+            (text.get_text(), text.get_window_extent(canvas.get_renderer()), text.get_fontsize())
+            for text in texts(figure)
+        ]

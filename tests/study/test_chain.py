@@ -1,6 +1,6 @@
 """The chain's stages: what they read, and that a study and the solvers mean the same defaults."""
 
-from dataclasses import astuple, fields
+from dataclasses import astuple
 
 import pytest
 
@@ -8,11 +8,9 @@ from fibermelt.engine.files import canonical, digest
 from fibermelt.engine.stages import Stage, keys, stage_parameters
 from fibermelt.engine.toml import defaults_toml
 from fibermelt.fiber.cell_data import CellNumerics
-from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.fiber.population import ISOTROPIC_COUNT
 from fibermelt.paper.claims.judge import claims
 from fibermelt.paper.claims.printed import printed_periods
-from fibermelt.parts.bead.stages import PRESSURE_REFERENCE
-from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.config import Config
 from fibermelt.study.loading import load_study, preset_names, resolve
@@ -109,22 +107,10 @@ def test_every_part_has_its_name_and_its_stages():
     assert {name for part in CHAIN.parts for name in part.stages} <= {s.name for s in CHAIN.stages}
 
 
-def test_a_study_and_the_flow_have_the_same_defaults():
-    numerics = FlowNumerics()
-    assert set(FLOW_NUMERICS.values()) == {field.name for field in fields(FlowNumerics)}
-    for key, name in FLOW_NUMERICS.items():
-        assert DEFAULTS[key] == getattr(numerics, name)
-    for field in fields(Nozzle):
-        assert DEFAULTS[f"flow.{field.name}"] == getattr(Nozzle(), field.name)
-    speeds = {field.name: field.default for field in fields(Deposition)}
-    assert DEFAULTS["flow.inlet_speed"] == speeds["inlet_speed"]
-    assert DEFAULTS["flow.bed_speed"] == speeds["bed_speed"]
-
-
-def test_a_study_and_the_cell_have_the_same_defaults():
+def test_a_study_and_the_cell_have_the_same_default():
+    """A table that took it from the cell would load all of the fibers for `fibermelt defaults`."""
     assert DEFAULTS["numerics.cell_order"] == CellNumerics().order
-    reference = PRESSURE_REFERENCE[DEFAULTS["fiber.pressure_reference"]]
-    assert reference == CellNumerics().pressure_reference
+    assert DEFAULTS["numerics.isotropic_angles"] == ISOTROPIC_COUNT
 
 
 def test_a_table_that_no_part_reads_is_told(tmp_path):

@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from fibermelt.report.page.chapters import numbers
 from stored_bead import stored_results
 
 from fibermelt.engine.quantities import Quantity, labelled
 from fibermelt.parts.bead.summary import summarize_bead
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
-from fibermelt.report.page.chapters import numbers
 from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.responses import responses_of
 from fibermelt.units import SHOWN, parse

@@ -9,7 +9,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from fibermelt.cli import app
-from fibermelt.parts.interaction.figures import INTERACTION_FIGURES
+from fibermelt.parts.interaction.figures import figure_interaction, figure_sizes
 
 pytestmark = pytest.mark.end_to_end
 
@@ -59,12 +59,13 @@ def test_the_summary(finished):
 
 def test_the_figures(finished):
     folder, printed = finished
-    names = {f"{plate.name}.{kind}" for plate in INTERACTION_FIGURES for kind in ("svg", "png")}
+    plates = (figure_interaction, figure_sizes)
+    names = {f"{plate.name}.{kind}" for plate in plates for kind in ("svg", "png")}
     assert {path.name for path in (folder / "figures").iterdir()} == names
     text = (folder / "figures/interaction.svg").read_text()
     assert ET.fromstring(text).findtext("{http://www.w3.org/2000/svg}title")
     with xr.open_dataset(folder / "results.nc") as results:
-        words = INTERACTION_FIGURES[0].words(results)
+        words = figure_interaction.words(results)
     assert f"{printed['interaction']['difference_from_eq_33']['paper']:.4f} rad" in words.caption
 
 

@@ -56,6 +56,7 @@ GOOD = {
     "motion": {
         "extreme_error": np.full((2, 3, 2, 2), 1e3),
         "extreme_bounds": np.full((2, 2, 2, 2), 1e6),
+        "extreme_quantiles_error": np.full((2, 2, 2, 3), 1e3),
     },
     "orientation": {
         "orientation_error": np.array([1e-7, 1e-6]),
@@ -79,6 +80,7 @@ BAD = [
     ("response", "thinning_spin_error", 6e-3),
     ("response", "thinning_pressure_error", 1.1e-2),
     ("motion", "extreme_error", np.full((2, 3, 2, 2), 3e5)),
+    ("motion", "extreme_quantiles_error", np.full((2, 2, 2, 3), 3e5)),
     ("orientation", "orientation_error", np.array([1e-7, 2e-3])),
     ("orientation", "closure_exact_error", 2e-3),
 ]

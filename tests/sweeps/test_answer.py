@@ -5,7 +5,7 @@ import re
 import pytest
 from swept_cases import GAP, GRID, ONE_AT_A_TIME, SPEED, VISCOSITY, made_up, sampled
 
-from fibermelt.report.sweep.shares import quantile_words
+from fibermelt.report.sweep.sampled import quantile_words
 from fibermelt.sweeps.answer import answer_sweep
 
 

@@ -11,7 +11,7 @@ from swept_cases import about, made_up
 from fibermelt.report.sweep.figures import sweep_plates
 from fibermelt.report.sweep.page import render_sweep
 from fibermelt.report.sweep.population import figure_population, population_words
-from fibermelt.report.sweep.words import responses_told
+from fibermelt.report.sweep.tables import responses_told
 from fibermelt.sweeps.analysis import quantiles
 from fibermelt.sweeps.answer import answer_sweep
 from fibermelt.sweeps.table import sweep_table

@@ -70,35 +70,6 @@ def test_critical_time():
     assert float(found) == pytest.approx(si(RADIUS**2 / D, "s"), rel=ROUNDING)
 
 
-def test_han_han():
-    deficit = Q(300.0, "bar")
-    phi1, chi, b1, b2 = 0.002, 4.3, 2.0, Q(1500.0, "K")
-    radius = 2 * ETA / deficit
-    frequency = b1 * D / (4 * math.pi * radius**2) * np.exp(-(b2 / T).to(""))
-    braces = math.log(phi1) + (1 - phi1) + chi * (1 - phi1) ** 2
-    energy = 16 * math.pi * ETA**3 / (3 * deficit**2) - K_B * T * braces
-    rate = N_V * frequency * np.exp(-(energy / (K_B * T)).to(""))
-    law = voids.HanHan(
-        si(ETA, "N/m"), si(T, "K"), si(N_V, "1/m^3"), si(D, "m^2/s"), phi1, chi, b1, si(b2, "K")
-    )
-    found = float(law.log10_rate(si(deficit, "Pa")))
-    assert found == pytest.approx(math.log10(si(rate, "1/(m^3 s)")), rel=ROUNDING)
-
-
-def test_pressure_in_a_growing_bubble():
-    local, speed, viscosity = Q(1.0, "bar"), Q(0.2, "mm/s"), Q(8170.0, "poise")
-    inside = 1.5 * RHO * speed**2 + 2 * ETA / RADIUS + 4 * viscosity * speed / RADIUS + local
-    found = voids.bubble_pressure(
-        si(local, "Pa"),
-        si(RADIUS, "m"),
-        si(ETA, "N/m"),
-        si(speed, "m/s"),
-        si(RHO, "kg/m^3"),
-        si(viscosity, "Pa s"),
-    )
-    assert float(found) == pytest.approx(si(inside, "Pa"), rel=ROUNDING)
-
-
 def test_free_volume():
     w1, energy = 0.2, Q(1.0, "kcal/mol")
     v1, v2 = Q(0.917, "cm^3/g"), Q(0.850, "cm^3/g")

@@ -1,4 +1,4 @@
-"""Nucleation: the classical rate, Han and Han's, the criteria, and their inverses."""
+"""Nucleation: the classical rate, the criteria, and their inverses."""
 
 import math
 
@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.voids import (
     ClassicalNucleation,
-    HanHan,
     MechanicalCriterion,
     ResidenceCondition,
-    bubble_pressure,
     critical_radius,
     molecules_per_volume,
     wetting_factor,
@@ -24,17 +22,6 @@ ROUNDING = 1e-12  # a few tens of operations
 TENSION, HOT = 23.8e-3, 503.15
 WATER = float(molecules_per_volume(1.7e-3, 1154.0))
 ABS = ClassicalNucleation(TENSION, HOT, WATER)
-SOLUTION = HanHan(
-    tension=TENSION,
-    temperature=HOT,
-    molecules=WATER,
-    diffusivity=2.3e-10,
-    solvent_fraction=2e-3,
-    interaction=4.3,
-    prefactor=1.0,
-    prefactor_temperature=1000.0,
-)
-
 deficits = st.floats(1e4, 1e8)
 
 
@@ -68,12 +55,11 @@ def test_the_barrier_is_a_third_of_the_surface_of_the_critical_bubble() -> None:
     assert 10.0 ** float(ABS.log10_barrier_ratio(1e6)) == pytest.approx(gibbs, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("law", [ABS, SOLUTION])
-def test_without_a_deficit_there_is_no_nucleus_and_nothing_overflows(law) -> None:
-    rate = law.log10_rate([-1e6, 0.0, 1e-300, 1e-150, 1.0])
+def test_without_a_deficit_there_is_no_nucleus_and_nothing_overflows() -> None:
+    rate = ABS.log10_rate([-1e6, 0.0, 1e-300, 1e-150, 1.0])
     assert np.all(np.isneginf(rate[:3]))
     assert np.all(rate[3:] < -1e9)
-    assert np.all(np.isposinf(law.margin([-1e6, 0.0])))
+    assert np.all(np.isposinf(ABS.margin([-1e6, 0.0])))
     assert np.all(np.isposinf(critical_radius(TENSION, [-1.0, 0.0, 5e-324])))
 
 
@@ -86,8 +72,6 @@ def test_no_surface_helps_without_a_deficit() -> None:
 def test_a_deeper_deficit_nucleates_more(deficit, factor) -> None:
     shallow, deep = ABS.log10_rate([deficit, factor * deficit])
     assert shallow < deep < ABS.log10_prefactor
-    shallow, deep = SOLUTION.log10_rate([deficit, factor * deficit])
-    assert shallow < deep
 
 
 @given(deficits, st.floats(0.01, 0.99), st.floats(300.0, 600.0))
@@ -140,54 +124,6 @@ def test_no_pressure_beats_the_prefactor() -> None:
         ABS.required_deficit(60.0)
 
 
-def test_han_han_as_printed() -> None:
-    deficit, degree = 2e7, 1.2
-    radius = 2 * TENSION / deficit
-    frequency = 2.3e-10 / (4 * math.pi * radius**2) * math.exp(-1000.0 / HOT)
-    braces = math.log(2e-3 * degree) + 0.998 + 4.3 * 0.998**2
-    energy = 16 * math.pi * TENSION**3 / (3 * deficit**2) - BOLTZMANN * HOT * braces
-    printed = WATER * frequency * math.exp(-energy / (BOLTZMANN * HOT))
-    found = float(SOLUTION.log10_rate(deficit, degree))
-    assert found == pytest.approx(math.log10(printed), rel=ROUNDING)
-
-
-def test_han_han_of_a_pure_volatile_has_the_classical_barrier() -> None:
-    pure = HanHan(TENSION, HOT, WATER, 2.3e-10, 1.0, 0.0, 1.0, 0.0)
-    deficit = np.array([1e6, 2e6])
-    exponent = pure.log10_rate(deficit) - pure.log10_frequency(deficit) - math.log10(WATER)
-    classical = ABS.log10_rate(deficit) - ABS.log10_prefactor
-    assert exponent == pytest.approx(classical, rel=1e-11)
-    # chi is the polymer's: with none there, it does nothing
-    poor = HanHan(TENSION, HOT, WATER, 2.3e-10, 1.0, 4.0, 1.0, 0.0)
-    assert np.array_equal(poor.log10_rate(deficit), pure.log10_rate(deficit))
-
-
-def test_interaction_goes_out_with_chi() -> None:
-    # d log10 J/d chi = phi_2^2/ln 10
-    rates = [
-        float(HanHan(TENSION, HOT, WATER, 2.3e-10, 0.1, chi, 1.0, 0.0).log10_rate(3e7))
-        for chi in (0.0, 1e-3)
-    ]
-    assert rates[1] - rates[0] == pytest.approx(1e-3 * 0.81 / math.log(10), rel=1e-8)
-
-
-def test_a_larger_nucleus_shares_the_work() -> None:
-    shared = HanHan(TENSION, HOT, WATER, 2.3e-10, 2e-3, 4.3, 1.0, 1000.0, nucleus=1e3)
-    assert float(shared.log10_rate(1e6)) > float(SOLUTION.log10_rate(1e6))
-
-
-def test_pressure_in_a_bubble() -> None:
-    # at rest and of critical radius it is the vapor pressure
-    local, vapor = 1e5, 1e6
-    radius = critical_radius(TENSION, vapor - local)
-    assert float(bubble_pressure(local, radius, TENSION)) == pytest.approx(vapor, rel=ROUNDING)
-    assert float(bubble_pressure(local, np.inf, TENSION)) == local
-    growing = float(bubble_pressure(local, 1e-6, 0.02, 1e-3, 1000.0, 500.0))
-    assert growing == pytest.approx(1e5 + 1.5e-3 + 4e4 + 2e6, rel=ROUNDING)
-    with pytest.raises(ConfigError, match="bubble radius = 0 m"):
-        bubble_pressure(local, 0.0, TENSION)
-
-
 def test_mechanical_criterion() -> None:
     law = MechanicalCriterion(0.95e6)
     assert law.margin([1e6, 0.95e6, -0.5e6]) == pytest.approx([0.05e6, 0.0, -1.45e6])
@@ -223,14 +159,11 @@ def test_molecules() -> None:
         (lambda: ABS.log10_rate(np.nan), "pressure deficit = nan"),
         (lambda: critical_radius(-1.0, 1e6), "surface tension = -1 N/m"),
         (lambda: ABS.log10_rate(np.inf), "pressure deficit = inf Pa: must be finite$"),
-        (lambda: SOLUTION.log10_rate(1e6, 0.0), "saturation = 0: must be above 0$"),
         # not a number was once counted as no time, and a negative radius as its square
         (lambda: ResidenceCondition(1e-9).margin(1e-8, np.nan), "available time = nan s"),
         (lambda: ResidenceCondition(1e-9).margin(1e-8, -1.0), "available time = -1 s"),
         (lambda: ResidenceCondition(1e-9).time(np.nan), "critical radius = nan m: must be above 0"),
         (lambda: ResidenceCondition(1e-9).time([1e-8, -1e-8]), "critical radius = -1e-08 m"),
-        (lambda: bubble_pressure(1e5, np.nan, 0.02), "bubble radius = nan m"),
-        (lambda: bubble_pressure(np.nan, 1e-8, 0.02), "pressure = nan Pa: must be finite$"),
     ],
 )
 def test_refusals(make, key: str) -> None:

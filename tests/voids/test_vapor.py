@@ -9,10 +9,8 @@ from hypothesis import strategies as st
 from fibermelt.errors import ConfigError
 from fibermelt.voids import (
     ActivityLaw,
-    FloryHuggins,
     Henry,
     critical_moisture,
-    log_activity,
     saturation_pressure,
 )
 from fibermelt.voids.constants import WATER_CRITICAL, WATER_TRIPLE
@@ -26,8 +24,6 @@ LAWS = {
     "henry": Henry(CONTENT / float(saturation_pressure(296.15)), 296.15, -43e3),
     "activity": ABS,
     "activity, shifting": ActivityLaw(0.0139, 293.15, 870.0),
-    "flory-huggins": FloryHuggins.of_saturation(CONTENT, 1050.0),
-    "flory-huggins, good solvent": FloryHuggins(0.3, 1050.0),
 }
 
 temperatures = st.floats(300.0, 640.0)
@@ -112,26 +108,6 @@ def test_pei_holds_a_little_more_when_hot() -> None:
     )
 
 
-@pytest.mark.parametrize("interaction", [-1.0, 0.0, 0.3, 0.5, 2.0, 4.3])
-def test_the_pure_solvent_has_activity_one(interaction: float) -> None:
-    assert float(log_activity(1.0, interaction)) == 0.0
-    assert float(log_activity(1e-12, 0.0)) == pytest.approx(np.log(1e-12) + 1.0, rel=1e-12)
-
-
-def test_a_chain_of_one_is_an_ideal_mixture() -> None:
-    phi = np.linspace(0.01, 1.0, 50)
-    assert np.allclose(log_activity(phi, 0.0, 1.0), np.log(phi), rtol=0.0, atol=ROUNDING)
-
-
-def test_interaction_of_a_saturation_content() -> None:
-    law = FloryHuggins.of_saturation(CONTENT, 1050.0)
-    assert law.interaction == pytest.approx(4.30, abs=0.005)
-    # dilute, it is the activity law but for the curvature up to saturation, 2 chi phi
-    assert float(law.vapor_pressure(1e-5, HOT)) / float(ABS.vapor_pressure(1e-5, HOT)) == (
-        pytest.approx(np.exp(2 * 4.3 * 0.00526), rel=0.01)
-    )
-
-
 def test_critical_moisture() -> None:
     saturated = float(saturation_pressure(HOT))
     found = critical_moisture(ABS, [-1e5, 0.0, 0.95e6, saturated, 1.01 * saturated], HOT)
@@ -172,23 +148,14 @@ def test_refusals(law) -> None:
             r"henry\.temperatures\[0\] = 500 K.*first",
         ),
         (lambda: ActivityLaw(0.1, 300.0, 0.0, (np.nan, 400.0)), r"temperatures\[0\] = nan K"),
-        (lambda: FloryHuggins(1.0, 1e3, temperatures=(0.0, 9.0)), r"temperatures\[0\] = 0 K"),
         (
             lambda: critical_moisture(ActivityLaw(0.1, 300.0, 0.0, (470.0, 540.0)), -1e5, 400.0),
             "temperature = 400 K: must be from 470 to 540 K",
         ),
-        (lambda: log_activity(0.0, 1.0), "solvent fraction = 0: must be above 0 and at most 1"),
         (lambda: ActivityLaw(1.5, 300.0), r"moisture.content = 1.5: must be above 0 and at most 1"),
         (lambda: ActivityLaw(0.1, np.inf), "moisture.reference_temperature = inf K"),
-        (lambda: FloryHuggins(0.3, -1.0), "solution.polymer_density = -1"),
-        (lambda: FloryHuggins.of_saturation(0.0, 1000.0), "saturation content = 0"),
     ],
 )
 def test_no_law(make, key: str) -> None:
     with pytest.raises(ConfigError, match=key):
         make()
-
-
-def test_a_solution_of_two_liquids_is_refused() -> None:
-    with pytest.raises(ConfigError, match="splits into two liquids"):
-        FloryHuggins(2.3, 1000.0, molar_volume_ratio=1.0).saturation_content(400.0)

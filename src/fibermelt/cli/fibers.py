@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from fibermelt.cli.common import JsonOption, say, told
+from fibermelt.parts.bead.shapes import SHAPES
 
 __all__ = ["domain_size", "orbit", "orientation"]
 
@@ -58,15 +59,16 @@ def orbit(
         str,
         typer.Option(
             metavar="MODEL",
-            help="What answers for the fiber: confined-ellipse, in a cell as the paper has it, or "
-            "ellipse or spheroid, in a melt without end.",
+            help="What answers for the fiber: "
+            + "; ".join(f"{name}, {one.meaning}" for name, one in SHAPES.items())
+            + ".",
         ),
-    ] = "confined-ellipse",
+    ] = next(iter(SHAPES)),
     domain_size: Annotated[
         str | None,
         typer.Option(
             metavar="M",
-            help="The cell's radius is M / 2 half-lengths, above 2; confined-ellipse only, and 4, "
+            help="The cell's radius is M / 2 half-lengths, above 2; of what has one only, and 4, "
             "the paper's, by default.",
         ),
     ] = None,
@@ -82,7 +84,7 @@ def orbit(
         str,
         typer.Option(
             metavar="PATH",
-            help="superposition, or newton: the paper's own algorithm, confined-ellipse only.",
+            help="superposition, or newton: the paper's own algorithm, of what has a cell only.",
         ),
     ] = "superposition",
     as_json: JsonOption = False,

@@ -47,7 +47,7 @@ def run(
         from fibermelt.engine.parts import in_words  # noqa: PLC0415
         from fibermelt.engine.progress import observing  # noqa: PLC0415
         from fibermelt.engine.runner import run_study  # noqa: PLC0415
-        from fibermelt.report.page.lazily import draw, render  # noqa: PLC0415  lazy: help needs none
+        from fibermelt.report.page import draw, render  # noqa: PLC0415  lazy: help needs none
         from fibermelt.study.chain import CHAIN  # noqa: PLC0415
         from fibermelt.study.loading import replaces_another  # noqa: PLC0415
 

@@ -10,7 +10,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fibermelt.engine.parameters import BOUNDS, Declaration, Section, declarations, excerpt
+from fibermelt.declared import BOUNDS
+from fibermelt.engine.parameters import Declaration, Section, declarations, excerpt
 from fibermelt.engine.toml import toml_value
 from fibermelt.errors import legible
 from fibermelt.units import celsius_meant

@@ -6,15 +6,15 @@ resolved copy in the results folder and the reference in the documentation.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import NoneType
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, cast, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
+from fibermelt.declared import BOUNDS, HOLDS, declaration
 from fibermelt.errors import ConfigError, legible
 from fibermelt.units import celsius_meant, parse
 
@@ -23,6 +23,7 @@ __all__ = [
     "Section",
     "Value",
     "declarations",
+    "declared_by",
     "excerpt",
     "flatten",
     "quantity",
@@ -31,9 +32,6 @@ __all__ = [
 
 Value = float | int | str | bool | tuple[float, ...] | tuple[int, ...] | tuple[str, ...] | None
 """What a parameter can be once resolved."""
-
-BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
-"""The words for a bound, under the names that pydantic has for it."""
 
 
 def quantity(
@@ -125,6 +123,32 @@ def setting(
     )
 
 
+def declared_by(kind: type, name: str, doc: str, shown: str = "", **more: Any) -> Any:
+    """Declare what a solver's dataclass has: its default, unit and bounds are those of the field.
+
+    Parameters
+    ----------
+    kind : type
+        The dataclass, whose field was declared by `fibermelt.declared.declared`.
+    name : str
+        The field.
+    doc : str
+        As in `quantity`.
+    shown : str
+        The unit in which the default is written; its SI unit if empty.
+    **more
+        Other arguments of `quantity` or `setting`, bounds besides those of the field among them.
+    """
+    field = declaration(kind, name)
+    unit, default = field.metadata["unit"], cast("int | float | None", field.default)
+    more = {**field.metadata["bounds"], **more}
+    if isinstance(default, int):
+        return setting(default, doc, **more)
+    if default is not None and shown:
+        return quantity(f"{default / parse(f'1 {shown}', unit):.12g} {shown}", unit, doc, **more)
+    return quantity(default, unit, doc, **more)
+
+
 def _checked(bounds: dict[str, float]) -> dict[str, Any]:
     unknown = set(bounds) - set(BOUNDS)
     if unknown:
@@ -169,13 +193,10 @@ class Section(BaseModel):
         return number
 
 
-_HOLDS = {"gt": operator.gt, "ge": operator.ge, "lt": operator.lt, "le": operator.le}
-
-
 def _refuse_beyond(value: object, extra: Mapping[str, Any], which: str = "") -> None:
     """Refuse a number that is out of a range which pydantic does not check."""
     for name, bound in extra.get("bounds", {}).items():
-        if isinstance(value, (int, float)) and not _HOLDS[name](value, bound):
+        if isinstance(value, (int, float)) and not HOLDS[name](value, bound):
             hint = f" ({extra['hints'][name]})" if name in extra["hints"] else ""
             limit = f"must be {BOUNDS[name]} {bound:g} {extra['unit']}".rstrip() + hint
             limit += celsius_meant(value, extra["unit"])

@@ -31,12 +31,6 @@ from fibermelt.fiber.ellipsoid import (
     unbounded_ellipsoid,
 )
 from fibermelt.fiber.ellipsoid_field import EllipsoidField, body_axes, ellipsoid_field
-from fibermelt.fiber.equivalent import (
-    cox_cylinder_ratio,
-    cox_ellipse_ratio,
-    zhang_cylinder_ratio,
-    zhang_ellipse_ratio,
-)
 from fibermelt.fiber.extremes import (
     Extremes,
     ExtremeStatistics,
@@ -149,8 +143,6 @@ __all__ = [
     "body_axes",
     "build_system",
     "confined_model",
-    "cox_cylinder_ratio",
-    "cox_ellipse_ratio",
     "ellipse_extremes",
     "ellipse_field",
     "ellipse_pressure",
@@ -199,8 +191,6 @@ __all__ = [
     "unbounded_model",
     "unbounded_spheroid",
     "unbounded_thinning_spheroid",
-    "zhang_cylinder_ratio",
-    "zhang_ellipse_ratio",
 ]
 
 

@@ -40,7 +40,7 @@ class CellNumerics:
     angular_spacing, radial_spacing : float
         Largest element in the stretched coordinates of `CellGrid` [-]; smaller is finer. The graded
         mesh's, too.
-    pressure_reference : {"cell-edge", "far-node"}
+    pressure_reference : {"mean", "far-node"}
         What the streamline's pressure is the pressure of: the mean over the cell's edge, or, as in
         the paper's Eq. 7, one node on it: ``(R, 0)`` in the fiber's axes, ahead of its tip.
     estimate : bool
@@ -59,7 +59,7 @@ class CellNumerics:
     order: int = 7
     angular_spacing: float = 0.6
     radial_spacing: float = 0.7
-    pressure_reference: Literal["cell-edge", "far-node"] = "cell-edge"
+    pressure_reference: Literal["mean", "far-node"] = "mean"
     estimate: bool = True
     mesh: Literal["graded", "paper"] = "graded"
 
@@ -75,10 +75,10 @@ class CellNumerics:
             if not SPACINGS[0] <= value <= SPACINGS[1]:
                 msg = f"numerics.cell {name} = {value:g}: must lie in {SPACINGS[0]}..{SPACINGS[1]}"
                 raise ConfigError(msg)
-        if self.pressure_reference not in ("cell-edge", "far-node"):
+        if self.pressure_reference not in ("mean", "far-node"):
             msg = (
                 f'numerics.cell pressure_reference = "{self.pressure_reference}": must be '
-                '"cell-edge" or "far-node"'
+                '"mean" or "far-node"'
             )
             raise ConfigError(msg)
         if self.mesh not in MESHES:

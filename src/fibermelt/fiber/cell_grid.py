@@ -12,7 +12,8 @@ from the tip on the x axis, row ``j`` outward from the fiber. Two lengths decide
 - a narrow gap ``g = R - a`` is felt over the distance ``s = sqrt(2 g/(1 - b^2))`` from the tip.
 
 Both enter through ``sinh`` stretches, so the number of elements grows with the logarithm only
-of the aspect ratio and of the domain size. Lengths are in units of the half-length ``a``.
+of the aspect ratio and of the domain size. Columns may be bounded in width: `CellGrid.even_from`.
+Lengths are in units of the half-length ``a``.
 """
 
 from __future__ import annotations
@@ -56,6 +57,10 @@ class CellGrid:
         How many times nearer to the tip and the surface than the above the grid is fine [-]. One in
         a Newtonian melt; a thinning one varies around the points of the surface where nothing
         deforms, the tip in a stretch along the fiber.
+    even_from : float
+        Eccentric angle from a tip [rad] beyond which columns grow no wider. In a Newtonian melt
+        they go on growing, its singularities lie below the tips; the points of a thinning one move
+        all over the surface as the strain turns.
     """
 
     semi_minor: float
@@ -63,6 +68,7 @@ class CellGrid:
     angular_spacing: float
     radial_spacing: float
     sharpening: float = 1.0
+    even_from: float = math.inf
 
     @cached_property
     def focal_depth(self) -> float:
@@ -83,8 +89,14 @@ class CellGrid:
 
     @cached_property
     def stretch(self) -> float:
-        """Return the quarter turn's length in the stretched angle, ``s = c sinh(stretch u)``."""
-        return math.asinh(0.5 * math.pi / self.tip_width)
+        """Return the quarter turn's length in the stretched angle, that of `eccentric_angle`."""
+        return float(self._stretched(np.float64(0.5 * math.pi)))
+
+    def _stretched(self, offset: Any) -> Any:
+        """Return the stretched angle at eccentric angles [rad] from a tip."""
+        if math.isfinite(self.even_from):
+            offset = self.even_from * np.sinh(offset / self.even_from)
+        return np.arcsinh(offset / self.tip_width)
 
     @cached_property
     def columns_per_quarter(self) -> int:
@@ -112,6 +124,9 @@ class CellGrid:
     def eccentric_angle(self, tip: Any, quarters: Any, functions: Any = np) -> Any:
         """Return the eccentric angle ``s`` [rad] of the ray at ``quarters`` [0, 4].
 
+        From a tip it is ``t = c sinh(stretch u)``, or with ``e`` the angle ``even_from`` ``e
+        arsinh(t/e)``, so that elements are as wide as ``sqrt(c^2 + s^2)`` up to ``e`` and no wider.
+
         Parameters
         ----------
         tip
@@ -121,14 +136,16 @@ class CellGrid:
         functions
             Module whose ``sinh`` is used: numpy, or the finite elements' own.
         """
-        return tip * (0.5 * math.pi) + self.tip_width * functions.sinh(
-            self.stretch * (quarters - tip)
-        )
+        offset = self.tip_width * functions.sinh(self.stretch * (quarters - tip))
+        if math.isfinite(self.even_from):
+            part = offset / self.even_from
+            offset = self.even_from * functions.log(part + functions.sqrt(1.0 + part * part))
+        return tip * (0.5 * math.pi) + offset
 
     def column_coordinate(self, angle: Array) -> Array:
         """Return the column coordinate in [0, columns) at eccentric angles in [0, 2 pi)."""
         tip = 2.0 * np.floor(angle / math.pi + 0.5)
-        offset = np.arcsinh((angle - tip * (0.5 * math.pi)) / self.tip_width) / self.stretch
+        offset = self._stretched(angle - tip * (0.5 * math.pi)) / self.stretch
         return np.asarray((tip + offset) * self.columns_per_quarter % self.columns)
 
     def position(self, tip: Any, quarters: Any, depth: Any, functions: Any = np) -> tuple[Any, Any]:

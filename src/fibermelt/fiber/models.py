@@ -20,7 +20,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +28,6 @@ from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.fiber.directions import equal_area_directions, even_frames
 from fibermelt.fiber.directors import follow_directors
 from fibermelt.fiber.ellipsoid import Ellipsoid, EllipsoidResponse, unbounded_ellipsoid
-from fibermelt.fiber.extremes import before_middle, extreme_values
 from fibermelt.fiber.frames import FRAME_TOLERANCE, follow_ellipsoids
 from fibermelt.fiber.jeffery import unbounded_ellipse
 from fibermelt.fiber.motion import ANGLE_TOLERANCE, deformation_along
@@ -65,14 +63,9 @@ from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
 from fibermelt.shown import Shown
 
-__all__ = ["MODELS", "FiberModel", "ModelName", "confined_model", "unbounded_model"]
+__all__ = ["FiberModel", "confined_model", "unbounded_model"]
 
 Array = NDArray[np.float64]
-
-ModelName = Literal["confined-ellipse", "ellipse", "spheroid", "ellipsoid"]
-
-MODELS: tuple[ModelName, ...] = get_args(ModelName)
-"""The models by name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,8 +74,8 @@ class FiberModel(Shown):
 
     Parameters
     ----------
-    name : {"confined-ellipse", "ellipse", "spheroid", "ellipsoid"}
-        Which model it is.
+    name : str
+        Which model it is: "confined-ellipse", "ellipse", "spheroid", "ellipsoid", or one's own.
     response : FiberResponse
         Its answer while it lies in the plane of the flow.
     spheroid : SpheroidResponse or None
@@ -93,7 +86,7 @@ class FiberModel(Shown):
         The answer of a body of three axes in any orientation.
     """
 
-    name: ModelName
+    name: str
     response: FiberResponse
     spheroid: SpheroidResponse | None = None
     thinning: ThinningResponse | None = None
@@ -205,21 +198,20 @@ class FiberModel(Shown):
     ) -> IsotropicPressure:
         """Return quantiles of pressures and extremes for an isotropic start.
 
-        In the plane for an ellipse, and for all in a melt that thins; else over the sphere by
-        ``count`` directions (`equal_area_directions`) or frames (`even_frames`), between whose
-        values quantiles are linear. The other parameters and errors as in
-        `fibermelt.fiber.population.isotropic_pressure`.
+        By ``count`` fibers: in the plane for an ellipse, and for all in a melt that thins; else
+        over the sphere, directions (`equal_area_directions`) or frames (`even_frames`). The other
+        parameters and errors as in `fibermelt.fiber.population.isotropic_pressure`.
         """
         if not self.has_directions:
             return isotropic_pressure(
-                path, self.in_plane, viscosity, middle_time, levels, tolerance
+                path, self.in_plane, viscosity, middle_time, count, levels, tolerance
             )
         values = _isotropic_values(path, self.in_space, count, tolerance)
 
-        def pressures(one: FlowHistory, middle: float | None) -> tuple[Array, Array, Array]:
+        def pressures(one: FlowHistory) -> tuple[Array, Array]:
             scale = newtonian_viscosity(viscosity, 0.5 * one.shear_rate)
-            lowest, highest = (scale * side for side in values(one))
-            return lowest, highest, extreme_values(lowest, highest, before_middle(one, middle))
+            lowest, highest = values(one)
+            return scale * lowest, scale * highest
 
         return population_quantiles(path, middle_time, levels, pressures)
 
@@ -229,7 +221,7 @@ def confined_model(response: FiberResponse) -> FiberModel:
     return FiberModel("confined-ellipse", response)
 
 
-def unbounded_model(name: ModelName, fiber: Ellipse | Ellipsoid) -> FiberModel:
+def unbounded_model(name: str, fiber: Ellipse | Ellipsoid) -> FiberModel:
     """Return the model of a fiber in an unbounded melt, exact to rounding.
 
     Parameters

@@ -59,19 +59,14 @@ class Propagator:
             self.matrix[..., index, :, :], self.scale[..., index], self.turn[..., index]
         )
 
-    def lines(self, some: slice) -> Propagator:
-        """Return the maps of some paths, counted over all leading axes but the last: (m, n)."""
+    def line(self, k: int) -> Propagator:
+        """Return the maps of one path, counted over all leading axes but the last: (n,)."""
         n = self.turn.shape[-1]
         return Propagator(
-            self.matrix.reshape(-1, n, 2, 2)[some],
-            self.scale.reshape(-1, n)[some],
-            self.turn.reshape(-1, n)[some],
+            self.matrix.reshape(-1, n, 2, 2)[k],
+            self.scale.reshape(-1, n)[k],
+            self.turn.reshape(-1, n)[k],
         )
-
-    def line(self, k: int) -> Propagator:
-        """Return the maps of one of these paths, leading shape (n,)."""
-        one = self.lines(slice(k, k + 1))
-        return Propagator(one.matrix[0], one.scale[0], one.turn[0])
 
     def then(self, later: Propagator) -> Propagator:
         """Return these maps followed by others along the last leading axis."""

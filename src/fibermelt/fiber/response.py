@@ -26,7 +26,6 @@ from fibermelt.arrays import Unchanging, real_array
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.checks import checked_number
 from fibermelt.fiber.curve import TrigonometricCurve
-from fibermelt.fiber.level_sets import LevelSets, level_sets
 from fibermelt.fiber.support import SupportFunction
 from fibermelt.shown import Shown
 
@@ -132,11 +131,6 @@ class FiberResponse(Shown, Unchanging):
     def support(self) -> SupportFunction:
         """Return the support function ``h`` with its extremes [-]."""
         return SupportFunction(self.curve)
-
-    @cached_property
-    def level_sets(self) -> LevelSets:
-        """Return the phases at which ``h`` lies below a level, for every level."""
-        return level_sets(self.support)
 
     @property
     def tip(self) -> Array:

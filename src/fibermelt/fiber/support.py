@@ -31,12 +31,12 @@ MOST_KNOTS = 1 << 16
 """Knots of the table: doubled until the tolerance is met. 2^16 resolve a spheroid of ratio 500 and
 an ellipse of 2000, in half a minute; 100 takes a quarter of a second."""
 
+FINE = 1 << 16
+"""Phases of a table without interpolation: 5e-5 of the largest ``h``, in the cache."""
+
 JUMP_FRACTION = 0.25
 """Part of the maximum's way between two knots that its own drift leaves unexplained: above it, the
 maximum may have jumped, and the two ends' branches are kept apart."""
-
-EVEN = 1e-10
-"""Difference of ``h`` at opposite phases over its largest value that is rounding."""
 
 STILL = 1e-9
 """A way below which the maximum stands still [rad]: rounding of Newton's method."""
@@ -148,6 +148,19 @@ class SupportFunction:
         lowest = self._read(self._height, (index + self.knots // 2) & (self.knots - 1), f)
         return -lowest, self._read(self._height, index, f)
 
+    def near(self, phase: Array) -> tuple[Array, Array]:
+        """Return `both` of the nearest of `FINE` phases, at a tenth of the cost [-].
+
+        As ``|h'| = |P.e'|`` is at most the largest ``h``, it is off by ``pi/FINE`` of that at most.
+        """
+        index = np.rint(phase * (FINE / (2.0 * np.pi))).astype(np.intp) & (FINE - 1)
+        return -self._fine[(index + FINE // 2) & (FINE - 1)], self._fine[index]
+
+    @cached_property
+    def _fine(self) -> Array:
+        """Return ``h`` at `FINE` phases."""
+        return self((2.0 * np.pi / FINE) * np.arange(FINE, dtype=np.float64))
+
     def where(self, phase: Array) -> Array:
         """Return the eccentric angle of the maximum [rad], in (-pi/2, pi/2], from the table.
 
@@ -162,43 +175,6 @@ class SupportFunction:
         """Return `where` refined by Newton's method on the curve itself [rad]."""
         phase = np.asarray(phase, dtype=np.float64)
         return fold_angle(self.curve.maximise(phase, self.where(phase)))
-
-    @property
-    def slopes(self) -> Array:
-        """Return ``h'`` at the knots ``2 pi k/knots`` [-], (knots,)."""
-        return np.asarray(self._height.pieces[:, 1] * (self.knots / (2.0 * np.pi)))
-
-    @property
-    def even(self) -> bool:
-        """Return whether ``h(-phi) = h(phi)`` to rounding, as the fiber's mirror symmetry has it.
-
-        A mesh of the cell without that symmetry has none of it.
-        """
-        value = self._height.pieces[:, 0]
-        odd = np.max(np.abs(value[1:] - value[:0:-1]))
-        return bool(odd <= EVEN * np.max(np.abs(value)))
-
-    def near_corner(self, phase: Array) -> NDArray[np.bool_]:
-        """Return whether two branches are kept apart in or next to the phases' intervals."""
-        if not self._has_corners:
-            return np.zeros(np.shape(phase), dtype=np.bool_)
-        index, _ = self._locate(phase)
-        near = self._corners | np.roll(self._corners, 1) | np.roll(self._corners, -1)
-        return np.asarray(near[index])
-
-    def corner_heights(self) -> Array:
-        """Return ``h`` where the maximum jumps from one stretch of the curve to another [-]."""
-        at = np.nonzero(self._corners)[0]
-        before, after = self._height.before[at], self._height.after[at]
-        # the branches' difference in f, both parabolas from the left end
-        bend = before[:, 2] - after[:, 2]
-        slope = before[:, 1] - after[:, 1] + 2.0 * after[:, 2]
-        value = before[:, 0] - after[:, 0] + after[:, 1] - after[:, 2]
-        root = np.sqrt(np.maximum(slope * slope - 4.0 * bend * value, 0.0))
-        # the first branch falls below the second: the root where the difference falls
-        down = -slope + root
-        place = np.clip(2.0 * value / np.where(down == 0.0, 1.0, down), 0.0, 1.0)
-        return _parabola(before, place)
 
     def _locate(self, phase: Array) -> tuple[Index, Array]:
         """Return the interval of each phase and the fraction of it."""

@@ -19,7 +19,7 @@ from fibermelt.fiber.models import FiberModel
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.spheroid import Spheroid, embed_planar
 
-__all__ = ["Surroundings", "surroundings"]
+__all__ = ["FlowAround", "Surroundings", "surroundings"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -35,6 +35,22 @@ PARTS = 6
 
 MODES = np.array([[[1.0, 0.0], [0.0, -1.0]], [[0.0, 1.0], [1.0, 0.0]]])
 """Far fields ``D_11 = 1 1/s`` and ``D_12 = 1 1/s``."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlowAround:
+    """The flow around a fiber in a given flow, at the points of a net, along the flow's axes.
+
+    Parameters
+    ----------
+    velocity : (N, 2) array
+        Less that of the fiber's centre, which moves with the melt [half-lengths/s].
+    pressure : (N,) array
+        Less the melt's own [Pa].
+    """
+
+    velocity: Array
+    pressure: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +76,30 @@ class Surroundings:
     lines: Index
     velocity: Array
     pressure: Array
+
+    def around(self, gradient: Array, angle: float, viscosity: float) -> FlowAround:
+        """Superpose the flow around a fiber in a Newtonian melt.
+
+        In the fiber's axes, with ``D`` and ``w = (L_21 - L_12)/2`` of the melt there,
+        ``v = D_11 U_1 + D_12 U_2 + w (-y, x)`` and ``p = mu (D_11 P_1 + D_12 P_2)``: the modes are
+        those of a fiber free of torque, which so turns at ``w + B D_12``.
+
+        Parameters
+        ----------
+        gradient : (2, 2) array
+            ``L_ij = d u_i / d x_j`` of the melt along the flow's axes [1/s].
+        angle : float
+            Of the fiber from the flow's x axis, counter-clockwise [rad].
+        viscosity : float
+            ``mu`` [Pa s].
+        """
+        cos, sin = np.cos(angle), np.sin(angle)
+        turn = np.array([[cos, -sin], [sin, cos]])
+        L = turn.T @ gradient @ turn
+        strain = np.array([0.5 * (L[0, 0] - L[1, 1]), 0.5 * (L[0, 1] + L[1, 0])])
+        local = np.einsum("nmi,m->ni", self.velocity, strain)
+        local += 0.5 * (L[1, 0] - L[0, 1]) * np.stack([-self.points[:, 1], self.points[:, 0]], -1)
+        return FlowAround(local @ turn.T, viscosity * self.pressure @ strain)
 
 
 def surroundings(model: FiberModel) -> Surroundings:

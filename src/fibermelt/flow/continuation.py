@@ -77,7 +77,7 @@ def _opened(search: SurfaceSearch, failure: ConvergenceError) -> Surfaces:
         problem = target if wider == goal else _at_ratio(target, wider)
         inner = search.towards(problem)
         start = StartShape(surfaces.upstream * width, surfaces.downstream * width)
-        numerics = replace(coarse_numerics(problem), tolerance=STEP_TOLERANCE)
+        numerics = replace(coarse_numerics(problem), flow_tolerance=STEP_TOLERANCE)
         try:
             _, surfaces = inner.converge(
                 surfaces_from(start, problem), numerics, chords=True, under_bed=UNDER_BED_COARSE

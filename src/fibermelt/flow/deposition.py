@@ -215,7 +215,7 @@ def _finely(
     _check_climb(problem, surfaces)
     rough = numerics.coarsened(MIDDLE)
     if chords or not problem.melt.is_newtonian:
-        rough = replace(rough, tolerance=max(rough.tolerance, ROUGH_TOLERANCE))
+        rough = replace(rough, flow_tolerance=max(rough.flow_tolerance, ROUGH_TOLERANCE))
     middle, surfaces = search.converge(surfaces, rough, chords)
     seen = (surfaces.upstream[-1, 0], surfaces.upstream[:, 0].min(), _inlet_pressure(middle))
     coarser = field_of(middle, problem, stream=False)

@@ -119,7 +119,7 @@ def deposition_mesh(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) 
 def _outline(nozzle: Nozzle, surfaces: Surfaces, numerics: FlowNumerics) -> SplineGeometry:
     """Return the geometry: two regions, named boundaries, points where edges must end."""
     outline = _Outline(numerics.bulk_edge)
-    grade = (numerics.surface_edge, numerics.growth, numerics.lip_edge)
+    grade = (numerics.surface_edge, numerics.edge_growth, numerics.lip_edge)
     up = resample(surfaces.upstream, *grade, numerics.contact_edge)
     down = resample(surfaces.downstream, *grade, None)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
-from fibermelt.errors import ConfigError, refuse_no_number, refuse_other
+from fibermelt.declared import declared, refuse_beyond
+from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.melt import ViscosityLaw
 
 __all__ = ["Deposition", "FlowNumerics", "Nozzle"]
@@ -18,13 +19,9 @@ SHORTEST_EDGE, LONGEST_EDGE = 1e-6, 0.5
 the capillary is no longer resolved."""
 
 
-def _require_positive(section: str, value: object, names: list[str]) -> None:
-    for name in names:
-        number = getattr(value, name)
-        refuse_no_number(f"{section}.{name}", number)
-        if not (math.isfinite(number) and number > 0):
-            msg = f"{section}.{name} = {number:g} must be positive and finite"
-            raise ConfigError(msg)
+def _edge(default: float) -> Any:
+    """Declare the edge length of a mesh, in widths of the capillary."""
+    return declared(default, ge=SHORTEST_EDGE, le=LONGEST_EDGE)
 
 
 @dataclass(frozen=True)
@@ -58,17 +55,17 @@ class Nozzle:
     inferred: they reproduce the results it states; mass balance makes its bead 3.000 mm high.
     """
 
-    inlet_width: float = 12.7e-3
-    inlet_length: float = 5e-3
-    taper_length: float = 8e-3
-    capillary_width: float = 3.175e-3
-    capillary_length: float = 6e-3
-    gap: float = 3e-3
-    outlet: float = 20e-3
+    inlet_width: float = declared(12.7e-3, "m", gt=0)
+    inlet_length: float = declared(5e-3, "m", gt=0)
+    taper_length: float = declared(8e-3, "m", gt=0)
+    capillary_width: float = declared(3.175e-3, "m", gt=0)
+    capillary_length: float = declared(6e-3, "m", gt=0)
+    gap: float = declared(3e-3, "m", gt=0)
+    outlet: float = declared(20e-3, "m", gt=0)
 
     def __post_init__(self) -> None:
         """Refuse a nozzle that cannot be built."""
-        _require_positive("flow", self, [f.name for f in fields(self)])
+        refuse_beyond("flow", self)
         if self.inlet_width < self.capillary_width:
             msg = (
                 f"flow.inlet_width = {self.inlet_width:g} m is narrower than "
@@ -117,14 +114,14 @@ class Deposition:
 
     nozzle: Nozzle
     melt: ViscosityLaw
-    inlet_speed: float = 24e-3
-    bed_speed: float = 101.6e-3
+    inlet_speed: float = declared(24e-3, "m/s", gt=0)
+    bed_speed: float = declared(101.6e-3, "m/s", gt=0)
 
     def __post_init__(self) -> None:
         """Refuse a bed or a melt that stands still, and what is no nozzle or no melt."""
         refuse_other("nozzle", self.nozzle, Nozzle)
         refuse_other("melt", self.melt, ViscosityLaw)
-        _require_positive("flow", self, ["inlet_speed", "bed_speed"])
+        refuse_beyond("flow", self)
 
     @property
     def flux(self) -> float:
@@ -169,7 +166,7 @@ class FlowNumerics:
 
     Parameters
     ----------
-    order : int
+    flow_order : int
         Polynomial degree of the velocity, 2 to 6; the pressure has one less (Taylor-Hood).
     lip_edge, contact_edge : float
         Mesh edge at the two lips and at the upstream contact point, where the flow is singular.
@@ -177,9 +174,9 @@ class FlowNumerics:
         Mesh edge at the capillary's entrance.
     surface_edge, bulk_edge : float
         Largest edge on a free surface, and in the bead; the nozzle's may be twice that.
-    growth : float
+    edge_growth : float
         How fast edges may grow away from a lip or the contact: added length per distance.
-    tolerance : float
+    flow_tolerance : float
         Newton stops after a step that moves no mesh node further than this fraction of the
         capillary's width. It converges quadratically: what is left is about the square.
     contact_guess : float or None
@@ -187,44 +184,19 @@ class FlowNumerics:
         on it.
     """
 
-    order: int = 3
-    lip_edge: float = 5e-4
-    contact_edge: float = 1e-3
-    corner_edge: float = 1e-2
-    surface_edge: float = 0.07
-    bulk_edge: float = 0.1
-    growth: float = 0.3
-    tolerance: float = 1e-7
-    contact_guess: float | None = None
+    flow_order: int = declared(3, ge=2, le=6)
+    lip_edge: float = _edge(5e-4)
+    contact_edge: float = _edge(1e-3)
+    corner_edge: float = _edge(1e-2)
+    surface_edge: float = _edge(0.07)
+    bulk_edge: float = _edge(0.1)
+    edge_growth: float = declared(0.3, ge=0.05, le=1)
+    flow_tolerance: float = declared(1e-7, ge=1e-12, le=1e-3)
+    contact_guess: float | None = declared(None, "m")
 
     def __post_init__(self) -> None:
         """Refuse numerics that no mesh can follow."""
-        if self.order not in range(2, 7):
-            msg = f"numerics.flow_order = {self.order} must lie in 2 to 6, a whole number"
-            raise ConfigError(msg)
-        for name in EDGES:
-            value = getattr(self, name)
-            refuse_no_number(f"numerics.{name}", value)
-            if not SHORTEST_EDGE <= value <= LONGEST_EDGE:
-                msg = (
-                    f"numerics.{name} = {value:g} must lie in {SHORTEST_EDGE:g} to "
-                    f"{LONGEST_EDGE:g}, in fractions of the capillary's width"
-                )
-                raise ConfigError(msg)
-        refuse_no_number("numerics.growth", self.growth)
-        if not 0.05 <= self.growth <= 1.0:
-            msg = f"numerics.growth = {self.growth:g} must lie in 0.05 to 1"
-            raise ConfigError(msg)
-        refuse_no_number("numerics.flow_tolerance", self.tolerance)
-        if not 1e-12 <= self.tolerance <= 1e-3:
-            msg = f"numerics.flow_tolerance = {self.tolerance:g} must lie in 1e-12 to 1e-3"
-            raise ConfigError(msg)
-        if self.contact_guess is None:
-            return
-        refuse_no_number("numerics.contact_guess", self.contact_guess)
-        if not math.isfinite(self.contact_guess):
-            msg = f"numerics.contact_guess = {self.contact_guess:g} m must be finite, or left out"
-            raise ConfigError(msg)
+        refuse_beyond("numerics", self)
 
     def coarsened(self, factor: float) -> FlowNumerics:
         """Return the same with every edge ``factor`` times as long, within the edges' bounds."""
@@ -232,10 +204,4 @@ class FlowNumerics:
             name: max(SHORTEST_EDGE, min(LONGEST_EDGE, factor * getattr(self, name)))
             for name in EDGES
         }
-        return FlowNumerics(
-            order=self.order,
-            growth=self.growth,
-            tolerance=self.tolerance,
-            contact_guess=self.contact_guess,
-            **edge,
-        )
+        return replace(self, **edge)

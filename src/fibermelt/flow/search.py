@@ -166,7 +166,7 @@ class SurfaceSearch:
         mesh = deposition_mesh(self.nozzle, surfaces, numerics)
         boundaries = _boundaries(self.problem, self.nozzle)
         self._flow = FreeSurfaceFlow(
-            mesh, boundaries, numerics.order, self.problem.scaled_law, self._flow
+            mesh, boundaries, numerics.flow_order, self.problem.scaled_law, self._flow
         )
         return self._flow
 
@@ -240,7 +240,7 @@ class SurfaceSearch:
         ``under_bed`` is how far below the bed [widths] the upstream surface may pass.
         """
         flow = self.start(surfaces, numerics)
-        reuse, last, bound = False, 1.0, numerics.tolerance
+        reuse, last, bound = False, 1.0, numerics.flow_tolerance
         for taken in range(1, MAX_STEPS + 1):
             step = self.step(flow, reuse=reuse)
             steps, rate = f"{taken} steps", step.size / last
@@ -256,9 +256,10 @@ class SurfaceSearch:
         msg = (
             f"deposition flow: the surface still moves {step.size:.1e} capillary widths after "
             f"{steps} on a mesh of {flow.mesh.ne} triangles (bound "
-            f"numerics.flow_tolerance = {numerics.tolerance:g}), residual {step.residual:.1e}, "
-            f"most of it in the {step.worst_field}; contact at x = {x[-1]:.4g} m, "
-            f"heel at x = {x.min():.4g} m, highest point {y.max():.4g} m; try twice the "
+            f"numerics.flow_tolerance = {numerics.flow_tolerance:g}), "
+            f"residual {step.residual:.1e}, most of it in the {step.worst_field}; "
+            f"contact at x = {x[-1]:.4g} m, heel at x = {x.min():.4g} m, "
+            f"highest point {y.max():.4g} m; try twice the "
             "numerics.contact_edge and numerics.lip_edge"
         )
         raise ConvergenceError(msg)

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.engine.parameters import declarations
 from fibermelt.errors import ConfigError
 from fibermelt.paper.config import Sensitivity
+from fibermelt.parts.bead.shape import Sizes
+from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.melt.melt import NEWTONIAN
 from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL, Constants
 
@@ -64,7 +66,7 @@ class OrbitStudy:
     viscosity : float or ViscosityLaw
         ``mu`` of the melt [Pa s], positive, or its law.
     model : str
-        One of `fibermelt.fiber.models.MODELS`.
+        One of `fibermelt.parts.bead.shapes.SHAPES`.
     domain_size : float, optional
         ``M`` of the confined ellipse [-], above 2; the paper's if not given. The other models have
         no cell, and take none.
@@ -77,7 +79,7 @@ class OrbitStudy:
     aspect_ratio: float
     shear_rate: float
     viscosity: float | ViscosityLaw
-    model: str = "confined-ellipse"
+    model: str = next(iter(SHAPES))
     domain_size: float | None = None
     angle: float = 0.0
     path: str = "superposition"
@@ -146,32 +148,31 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     ConvergenceError
         As in `fibermelt.fiber.orbit_newton`.
     """
-    from fibermelt.fiber.models import MODELS  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.orbit import checked_shear  # noqa: PLC0415
+    from fibermelt.fiber.orbit import checked_shear  # noqa: PLC0415  lazy: see the module
 
-    for name, value, known in (("model", study.model, MODELS), ("path", study.path, PATHS)):
+    for name, value, known in (("model", study.model, SHAPES), ("path", study.path, PATHS)):
         if value not in known:
-            choices = " or ".join(f'"{choice}"' for choice in known)
-            msg = f'{name} = "{value}": must be {choices}'
+            words = " or ".join(f'"{choice}"' for choice in known)
+            msg = f'{name} = "{value}": must be {words}'
             raise ConfigError(msg)
     checked_shear(study.shear_rate, _newtonian(study), study.angle)
-    newton = study.path == "newton"
-    if newton and study.model != "confined-ellipse":
+    newton, shape = study.path == "newton", SHAPES[study.model]
+    if newton and not shape.has_cell:
         msg = (
             f'path = "newton": the paper\'s algorithm works on a cell, which model = '
-            f'"{study.model}" has not: take model "confined-ellipse", or path "superposition"'
+            f'"{study.model}" has not: take model {choices("has_cell")}, or path "superposition"'
         )
         raise ConfigError(msg)
-    if study.model == "ellipsoid":
+    if shape.has_thickness:
         msg = (
-            'model = "ellipsoid": turns about all its axes and has no one orbit: take model '
-            '"spheroid"'
+            f'model = "{shape.name}": turns about all its axes and has no one orbit: take model '
+            f'"{shape.instead}"'
         )
         raise ConfigError(msg)
-    if study.model != "confined-ellipse" and study.domain_size is not None:
+    if not shape.has_cell and study.domain_size is not None:
         msg = (
             f'domain_size = {study.domain_size:g} with model = "{study.model}": that model has no '
-            'cell, which a domain size could be of: drop it, or take model "confined-ellipse"'
+            f"cell, which a domain size could be of: drop it, or take model {choices('has_cell')}"
         )
         raise ConfigError(msg)
     found, cell, turn = _newton(study) if newton else _superposition(study)
@@ -186,7 +187,7 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     if study.aspect_ratio == 1.0:
         # A circle has no direction: which angle comes out lowest is rounding.
         answer |= {"angle_at_min": None, "where_at_min": None}
-    size = _domain(study) if study.model == "confined-ellipse" else None
+    size = _domain(study) if shape.has_cell else None
     return {"model": study.model, "domain_size": size, **answer, "cost": cost}
 
 
@@ -264,32 +265,17 @@ def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
 
 def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
     """Return the fiber's answer: of its cell, of a melt without end, or of a melt that thins."""
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
 
-    fiber, law = Ellipse(1.0, study.aspect_ratio), _law_of(study)
-    if law is None and study.model != "confined-ellipse":
-        return unbounded_model(
-            "ellipse" if study.model == "ellipse" else "spheroid", fiber
-        ).response
-    rates = study.shear_rate, study.shear_rate
-    if law is not None and study.model == "spheroid":
-        from fibermelt.fiber.spheroid import Spheroid  # noqa: PLC0415
-        from fibermelt.fiber.thinning_spheroid import (  # noqa: PLC0415
-            unbounded_thinning_spheroid,
-        )
-
-        return unbounded_thinning_spheroid(Spheroid(1.0, study.aspect_ratio), law, rates)
-    from fibermelt.fiber.cell import solve_cell, solve_thinning  # noqa: PLC0415  a second's import
-    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415
-    from fibermelt.fiber.thinning import UNBOUNDED_SIZE  # noqa: PLC0415
-
+    shape, sizes, law = SHAPES[study.model], Sizes(1.0, study.aspect_ratio), _law_of(study)
     if law is None:
-        return solve_cell(fiber, _domain(study), CellNumerics(estimate=False)).response
-    size = _domain(study) if study.model == "confined-ellipse" else UNBOUNDED_SIZE
+        return shape.model(sizes, _domain(study), CellNumerics(estimate=False)).response
+    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415  a second's import
+
     numerics = replace(THINNING_NUMERICS, estimate=False)
-    return solve_thinning(fiber, size, law, numerics, rates)
+    return shape.thinning(
+        sizes, law, _domain(study), numerics, (study.shear_rate, study.shear_rate)
+    )
 
 
 def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:

@@ -22,7 +22,8 @@ HOMES = (
     "fibermelt.parts.verification",
     "fibermelt.paper.claims",
 )
-"""In the order in which they are told."""
+"""In the order in which they are told. Each has its figures in ``figures`` and its sections of the
+page in ``section``, where the report finds them."""
 
 
 def parts() -> tuple[Part, ...]:

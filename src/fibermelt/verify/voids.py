@@ -11,8 +11,7 @@ from fibermelt.voids.diffusion import FreeVolume
 from fibermelt.voids.margin import assess
 from fibermelt.voids.nucleation import ClassicalNucleation, critical_radius, log10_barrier
 from fibermelt.voids.saturation import saturation_pressure
-from fibermelt.voids.solution import FloryHuggins
-from fibermelt.voids.vapor import critical_moisture
+from fibermelt.voids.vapor import ActivityLaw, critical_moisture
 from fibermelt.voids.wetting import vapor_angle, wetting_factor
 
 __all__ = ["RUNGS", "TOLUENE_DIFFUSIVITIES", "TOLUENE_PS", "cap_share"]
@@ -48,7 +47,7 @@ TOLUENE_DIFFUSIVITIES = (1.435e-12, 7.884e-13)
 TENSION, DEFICIT, MOLECULES = 0.024, 2e6, 6.6e25
 """Of an ABS melt at 230 degC, of the deepest pressures on fibers, and of 0.17 % moisture."""
 
-SOLUTION = FloryHuggins.of_saturation(0.005, 1050.0)
+ISOTHERM = ActivityLaw(0.005, 296.15)
 """Water in ABS, 0.5 % at saturation."""
 
 
@@ -104,8 +103,8 @@ def _inverses() -> tuple[float, float, float]:
     angles = np.pi - law.required_contact_angle(deficits)
     wetting = np.concatenate([wetting_factor(angles) / required, _wetting_round_trip()])
     moistures = np.geomspace(1e-6, 4.9e-3, 20)
-    vapor = SOLUTION.vapor_pressure(moistures, PROCESSING)
-    back = critical_moisture(SOLUTION, vapor, PROCESSING) / moistures
+    vapor = ISOTHERM.vapor_pressure(moistures, PROCESSING)
+    back = critical_moisture(ISOTHERM, vapor, PROCESSING) / moistures
     return (
         float(np.max(np.abs(rates)) / law.log10_prefactor),
         float(np.max(np.abs(wetting - 1.0))),
@@ -222,10 +221,10 @@ RUNGS = (
             below(
                 "moisture: critical",
                 "Moisture whose vapor pressure is that of a moisture against itself, relative, "
-                "water in ABS by Flory and Huggins at 230 degC.",
-                "Flory 1942, doi 10.1063/1.1723621",
-                1e-11,
-                "bisected to rounding, which the isotherm's slope stretches by ten",
+                "water in ABS at 230 degC.",
+                "the law solved for its other letter",
+                1e-14,
+                "two products and two quotients: rounding",
             ),
         ),
         _inverses,

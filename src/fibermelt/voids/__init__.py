@@ -9,7 +9,6 @@ from __future__ import annotations
 from fibermelt.voids.constants import ATMOSPHERE
 from fibermelt.voids.criteria import MechanicalCriterion, ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius, FreeVolume
-from fibermelt.voids.han import HanConstants, HanHan, bubble_pressure
 from fibermelt.voids.margin import Assessment, Onset, assess, assess_onset
 from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.nucleation import (
@@ -18,7 +17,6 @@ from fibermelt.voids.nucleation import (
     molecules_per_volume,
 )
 from fibermelt.voids.saturation import saturation_pressure
-from fibermelt.voids.solution import FloryHuggins, log_activity
 from fibermelt.voids.surface_tension import (
     LinearTension,
     Parachor,
@@ -35,10 +33,7 @@ __all__ = [
     "Arrhenius",
     "Assessment",
     "ClassicalNucleation",
-    "FloryHuggins",
     "FreeVolume",
-    "HanConstants",
-    "HanHan",
     "Henry",
     "Isotherm",
     "LinearTension",
@@ -50,11 +45,9 @@ __all__ = [
     "Wetting",
     "assess",
     "assess_onset",
-    "bubble_pressure",
     "critical_moisture",
     "critical_radius",
     "girifalco_good",
-    "log_activity",
     "molecules_per_volume",
     "saturation_pressure",
     "tension_at_density",

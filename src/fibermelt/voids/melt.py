@@ -13,12 +13,10 @@ from fibermelt.errors import ConfigError
 from fibermelt.voids.checks import checked_range, checked_span, checked_value
 from fibermelt.voids.criteria import ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius
-from fibermelt.voids.han import HanConstants, HanHan
 from fibermelt.voids.nucleation import (
     ClassicalNucleation,
     molecules_per_volume,
 )
-from fibermelt.voids.solution import FloryHuggins
 from fibermelt.voids.surface_tension import LinearTension
 from fibermelt.voids.vapor import Isotherm, critical_moisture
 from fibermelt.voids.wetting import wetting_factor
@@ -33,7 +31,6 @@ RESULTS: Mapping[str, str] = {
     "diffusion": "critical time, no residence condition",
     "surface": "critical radius, nucleation rate and the wetting that would start it",
     "contact_angle": "heterogeneous rate: the rate is the homogeneous one, a lower bound",
-    "solution": "rate after Han and Han",
 }
 """What a melt without a law cannot give."""
 
@@ -66,8 +63,6 @@ class VolatileMelt:
     polymer_fraction : float
         Mass fraction of the melt that is polymer and holds the moisture [-], above 0, at most 1:
         moisture is counted over the polymer's own mass, fibers hold none.
-    solution : HanConstants or None
-        Of the rate after Han and Han.
     missing : mapping
         Which keys of its card are empty, by the name of the law that needs them.
 
@@ -85,7 +80,6 @@ class VolatileMelt:
     surface: LinearTension | None = None
     contact_angle: float | None = None
     polymer_fraction: float = 1.0
-    solution: HanConstants | None = None
     missing: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -157,33 +151,6 @@ class VolatileMelt:
             temperature=temperature,
             molecules=float(molecules_per_volume(moisture, held)),
             wetting_factor=1.0 if angle is None else float(wetting_factor(np.pi - angle)),
-        )
-
-    def han_han(self, moisture: float, temperature: float) -> HanHan:
-        """Return the rate after Han and Han at a moisture [-] and a temperature [K].
-
-        Homogeneous: the contact angle has no part in it. The volume fraction of the moisture is
-        taken with the melt's density for the polymer's, fibers included: with 13 % of carbon fibers
-        by weight a twentieth too high, 0.02 decades of the rate.
-
-        Raises
-        ------
-        ConfigError
-            If the melt is dry, a value is out of range, or the card lacks the constants, the
-            surface tension or the diffusivity.
-        """
-        constants = self._required("solution", self.solution)
-        nucleation = self.nucleation(moisture, temperature)
-        mixture = FloryHuggins(constants.interaction, self.density)
-        return HanHan(
-            tension=nucleation.tension,
-            temperature=temperature,
-            molecules=nucleation.molecules,
-            diffusivity=self.diffusivity(temperature),
-            solvent_fraction=float(mixture.volume_fraction(moisture)),
-            interaction=constants.interaction,
-            prefactor=constants.prefactor,
-            prefactor_temperature=constants.prefactor_temperature,
         )
 
     def residence(self, temperature: float) -> ResidenceCondition:

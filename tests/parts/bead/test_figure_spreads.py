@@ -59,7 +59,9 @@ def _panels(figure: Figure) -> list[Axes]:
 
 def test_mean_and_median_are_those_of_the_stored_extremes(results: xr.Dataset) -> None:
     steady = regular(results)
-    for axes, (_, location, kind) in zip(_panels(figure_extremes(results)), EXTREMES, strict=True):
+    for axes, (_, location, kind) in zip(
+        _panels(figure_extremes.draw(results)), EXTREMES, strict=True
+    ):
         stored = 1e-6 * results["extreme"].isel(location=location).sel(kind=kind)
         for color, expected in (
             (MEAN, stored.mean("initial_angle")),
@@ -72,7 +74,7 @@ def test_mean_and_median_are_those_of_the_stored_extremes(results: xr.Dataset) -
 
 def test_envelopes_are_the_stored_bounds(results: xr.Dataset) -> None:
     bounds = 1e-6 * results["extreme_bounds"].isel(location=1).sel(kind="min").to_numpy()
-    band = _panels(figure_extremes(results))[1].collections[0].get_paths()[0].vertices
+    band = _panels(figure_extremes.draw(results))[1].collections[0].get_paths()[0].vertices
     for line, (low, high) in zip(results["streamline"].to_numpy(), bounds, strict=True):
         here = band[band[:, 0] == line, 1]
         assert here.min() == pytest.approx(low)
@@ -84,7 +86,7 @@ def test_a_streamline_near_a_corner_does_not_set_the_scale_and_is_told(results: 
     first = {"streamline": 0, "location": 1}
     wild["extreme"][first] *= 50.0
     wild["extreme_bounds"][first] *= 50.0
-    calm, drawn = _panels(figure_extremes(results))[1], _panels(figure_extremes(wild))[1]
+    calm, drawn = _panels(figure_extremes.draw(results))[1], _panels(figure_extremes.draw(wild))[1]
     assert drawn.get_ylim() == calm.get_ylim()
     mean = 1e-6 * float(wild["extreme"][first].sel(kind="min").mean())
     assert number(mean, 3) in [text.get_text() for text in drawn.texts]
@@ -96,7 +98,7 @@ def test_a_streamline_near_a_corner_does_not_set_the_scale_and_is_told(results: 
 def test_one_fiber_is_drawn_with_its_extremes(results: xr.Dataset) -> None:
     start = np.degrees(results["initial_angle"].to_numpy())
     for axes, side, angle, kind in zip(
-        _panels(figure_history(results)),
+        _panels(figure_history.draw(results)),
         ("lowest", "highest"),
         (0.0, -90.0),
         ("min", "max"),
@@ -121,7 +123,7 @@ def test_words_on_one_fiber_follow_its_numbers(results: xr.Dataset) -> None:
 
 
 def test_all_fibers_of_the_marked_streamlines_are_drawn(results: xr.Dataset) -> None:
-    panels = [axes for axes in figure_profiles(results).axes if len(axes.lines) > 5]
+    panels = [axes for axes in figure_profiles.draw(results).axes if len(axes.lines) > 5]
     expected = [
         values(results, row)
         for row in (3, 9, 17)
@@ -175,7 +177,7 @@ def test_bands_of_all_starts_are_exact(results: xr.Dataset) -> None:
     when = float(results["zone_time"][0, 2])
     even = np.pi * (np.arange(STARTS) + 0.5) / STARTS
     exact = np.degrees(within_quarter_turn(sheared(even, np.array(when))))
-    axes = _panels(figure_alignment(results))[2]
+    axes = _panels(figure_alignment.draw(results))[2]
     for band, share in zip(axes.collections, (0.9, 0.5), strict=True):
         at = band.get_paths()[0].vertices
         inner = at[at[:, 0] == 10, 1]
@@ -185,7 +187,9 @@ def test_bands_of_all_starts_are_exact(results: xr.Dataset) -> None:
 
 
 def test_positions_are_the_stored_ones(results: xr.Dataset) -> None:
-    for axes, (_, location, kind) in zip(_panels(figure_positions(results)), EXTREMES, strict=True):
+    for axes, (_, location, kind) in zip(
+        _panels(figure_positions.draw(results)), EXTREMES, strict=True
+    ):
         points = np.vstack([cloud.get_offsets() for cloud in axes.collections])
         stored = [
             1e3 * results[f"extreme_{name}"].isel(location=location).sel(kind=kind).to_numpy()
@@ -215,6 +219,8 @@ def test_a_fiber_moves_as_a_rigid_body_in_the_flow_drawn_around_it(ratio: float)
             "angle": (("streamline", "initial_angle", "point"), [[[angle]]]),
             "gradient": (("streamline", "point", "row", "column"), [[L]]),
             "cell_point": (("n", "component"), around.points),
+            "cell_triangle": (("triangle", "corner"), around.cells),
+            "cell_edge": (("edge", "along"), around.lines),
             "cell_velocity": (("n", "mode", "component"), around.velocity),
             "cell_pressure": (("n", "mode"), around.pressure),
             "viscosity": (("streamline", "point"), [[mu]]),
@@ -256,8 +262,8 @@ def test_fibers_in_space_are_drawn() -> None:
     )
     assert "out of the plane" in history_words(space).caption
     assert "out of the plane" not in history_words(flat).caption
-    for draw in (figure_history, figure_profiles, figure_alignment):
-        assert draw(space).axes
+    for plate in (figure_history, figure_profiles, figure_alignment):
+        assert plate.draw(space).axes
 
 
 @pytest.mark.parametrize(

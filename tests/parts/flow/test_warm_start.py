@@ -106,7 +106,7 @@ def test_chord_steps_leave_less_than_the_tolerance(coarse_flow: FlowSolution) ->
     search = SurfaceSearch(problem)
     guess = surfaces_from(_shape(coarse_flow), problem)
     flow, _ = search.converge(guess, COARSE, chords=True)
-    assert flow.step().size < COARSE.tolerance
+    assert flow.step().size < COARSE.flow_tolerance
 
 
 @pytest.mark.parametrize("rate", [0.02, 0.3, 0.9])

@@ -4,7 +4,6 @@ import math
 import tomllib
 from importlib.resources import files
 
-import numpy as np
 import pytest
 
 from fibermelt.engine.parameters import declarations
@@ -48,10 +47,6 @@ reference_temperature = { value = "20 degC", source = "made up" }
 slope = { value = "-0.07 mN/(m K)", source = "made up" }
 [wetting]
 contact_angle = { value = "60 deg", source = "made up" }
-[solution]
-prefactor = { value = 1.0, source = "made up" }
-prefactor_temperature = { value = "1000 K", source = "made up" }
-interaction = { value = 3.6, source = "made up" }
 """
 
 
@@ -77,8 +72,8 @@ def test_shipped_cards_give_margins_and_say_what_they_cannot(name):
     for law in melt.gaps:
         assert getattr(melt, law) is None
         assert all(key.startswith(law) or law == "contact_angle" for key in melt.missing[law])
-    # nobody has measured a melt on sized fibers, nor fitted Han and Han's constants to water
-    assert {"contact_angle", "solution"} <= set(melt.gaps)
+    # nobody has measured a melt on sized fibers
+    assert "contact_angle" in melt.gaps
     assert melt.nucleation(moisture, T).wetting_factor == 1.0
 
 
@@ -108,7 +103,6 @@ def test_the_papers_melt():
     # moisture is the polymer's: the fibers hold none
     molecules = found.melt.nucleation(1.7e-3, 503.15).molecules
     assert molecules == pytest.approx(0.87 * 1154 * 1.7e-3 / 0.018015 * 6.022e23, rel=1e-4)
-    assert "solution.prefactor, solution.prefactor_temperature" in found.melt.gaps["solution"]
 
 
 def test_pei_holds_what_its_source_says():
@@ -137,8 +131,6 @@ def test_a_hole_names_its_keys_its_cost_and_the_way_out():
         r"card, so no critical time, no residence condition; give it in a card of your own",
     ):
         melt.residence(483.15)
-    with pytest.raises(ConfigError, match=r"solution\.prefactor, .*no rate after Han and Han"):
-        melt.han_han(1e-3, 483.15)
 
 
 def test_bad_input_names_the_range_and_the_remedy():
@@ -164,8 +156,6 @@ def test_a_whole_card_of_ones_own(tmp_path):
     assert found.provenance["surface.tension"].written == "40 mN/m"
     # 60 degrees through the melt is 120 through the vapor: cos = -1/2
     assert melt.nucleation(1e-3, 500.0).wetting_factor == pytest.approx(27 / 32, rel=1e-12)
-    rates = melt.han_han(1e-3, 500.0).log10_rate(np.array([1e6, 1e7]))
-    assert np.all(np.isfinite(rates))
 
 
 def test_declared_examples_can_be_written():
@@ -186,7 +176,7 @@ def test_declared_examples_can_be_written():
         ('"40 mN/m"', '"40 s"', r'surface\.tension = 40 s: has the unit "s".*write it as "38\.5'),
         ('"40 mN/m"', '"40"', r"surface\.tension = 40: has no unit"),
         ("[surface]\ntension", "[surface]\ntention", r"tention: unknown key; did you mean surf"),
-        ("[solution]", "[solutions]", r"solutions: unknown key; did you mean solution"),
+        ("[wetting]", "[wettings]", r"wettings: unknown key; did you mean wetting"),
         (', source = "made up" }\n[surface]', " }\n[surface]", "must say where it is from"),
         ('source = "made up" }\n[surface]', 'source = "" }\n[surface]', "must say where it is"),
         ('{ value = "40 mN/m", source = "made up" }', '"40 mN/m"', "surface.tension: must say"),

@@ -7,48 +7,21 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from drawn_cases import INDICES, MODELS, effects
 
-from fibermelt.engine.quantities import labelled
 from fibermelt.errors import ConfigError
-from fibermelt.parts.thinning.figures import figure_thinning, thinning, thinning_words
+from fibermelt.parts.thinning.figures import figure_thinning
 from fibermelt.parts.thinning.part import PART
+from fibermelt.parts.thinning.section import thinning
 from fibermelt.parts.thinning.stages import CAUSES
 from fibermelt.parts.thinning.summary import summarize_thinning, thinning_in_words
 from fibermelt.study.loading import resolve
-from fibermelt.study.quantities import QUANTITIES
 from fibermelt.voids import ATMOSPHERE
-
-INDICES = [1.0, 0.5, 0.25]
-MODELS = ["confined-ellipse", "spheroid"]
 
 
 @pytest.fixture
 def results() -> xr.Dataset:
-    """Three laws, two models, three causes, two streamlines of which one is singular."""
-    shape = (len(INDICES), len(MODELS), len(CAUSES), 2)
-    lowest = -1e5 * np.arange(1, np.prod(shape) + 1).reshape(shape)
-    numbers = np.array(INDICES)
-    of_fibers = numbers[:, None] * [1.0, 2.0]
-    return labelled(
-        {
-            "effect_index": INDICES,
-            "effect_model": MODELS,
-            "effect_cause": list(CAUSES),
-            "effect_consistency": 817.0 * 100.0 ** (1 - numbers),
-            "effect_inlet_pressure": 1e6 * numbers,
-            "effect_inlet_pressure_error": 1e3 * numbers,
-            "effect_contact_point": -2e-3 * numbers,
-            "effect_contact_point_error": 1e-6 * numbers,
-            "effect_regular": np.array([1, 0], dtype=np.int8),
-            "effect_lowest": lowest,
-            "effect_bound": 2.0 * lowest,
-            "effect_period": np.where(of_fibers == 1.0, np.nan, 40.0 * of_fibers),
-            "effect_stall_angle": np.where(of_fibers == 1.0, 0.1, np.nan),
-            "effect_peak": 10.0 * of_fibers,
-            "effect_peak_error": 0.01 * (1.0 - numbers)[:, None] * [1.0, 1.0],
-        },
-        QUANTITIES,
-    )
+    return effects()
 
 
 def test_only_streamlines_that_are_regular_in_every_flow_count(results: xr.Dataset) -> None:
@@ -72,22 +45,22 @@ def test_terminal_and_page_tell_the_same(results: xr.Dataset) -> None:
     lines = thinning_in_words(summary)
     told = next(line for line in lines if "ellipse: lowest" in line).split()[-3:]
     assert told == ["0.001", "-1.199", "-2.399"]
-    page = str(thinning(results, summary))
+    page = str(thinning.words(results, summary))
     for number in ("−1.199", "−2.399", "stalls"):
         assert number in page.replace("-", "−")
 
 
 def test_the_figure_has_a_curve_for_each_cause_and_model(results: xr.Dataset) -> None:
-    figure = figure_thinning(results)
+    figure = figure_thinning.draw(results)
     local, peak, flow = figure.axes
     curves = [line for line in local.lines if len(line.get_xdata()) == len(INDICES)]
     assert len(curves) == len(CAUSES) * len(MODELS)
     assert len(peak.lines) == len(MODELS)
     assert len(flow.lines) == 1
-    words = thinning_words(results)
+    words = figure_thinning.words(results)
     assert "1 of 2 streamlines" in words.caption
     alone = results.sel(effect_model=["confined-ellipse"])
-    assert len(figure_thinning(alone).axes[1].lines) == 1
+    assert len(figure_thinning.draw(alone).axes[1].lines) == 1
 
 
 @pytest.mark.parametrize("indices", [[], [0.5, 0.7], [0.5, 0.5], [1.0], [0.2]])

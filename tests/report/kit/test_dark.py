@@ -18,12 +18,12 @@ from fibermelt.report.kit.dark import (
     in_both_schemes,
 )
 from fibermelt.report.kit.style import BLUE, GREEN, INK, LOW, VERMILION
-from fibermelt.report.kit.templates import page_file
+from fibermelt.report.kit.templates import text_of
 
 
 def test_paper_and_ink_are_those_of_the_page_in_the_dark() -> None:
     assert _hexed(darkened(np.vstack([_rgb("#ffffff"), _rgb(INK)]))) == [DARK_GROUND, DARK_INK]
-    dark = page_file("style.css").split("@media")[1]
+    dark = text_of("report/page/style.css").split("@media")[1]
     assert f"--card: {DARK_GROUND};" in dark
     assert f"--ink: {DARK_INK};" in dark
 

@@ -16,8 +16,7 @@ from fibermelt.parts.flow.figures.carpet import Carpet, weave
 from fibermelt.parts.flow.figures.lines import at_time, features, initial_angles, rest
 from fibermelt.report.kit.drawing import curves, spread_out
 from fibermelt.report.kit.scene import SIDES, Scene, Window, _lattice, by_area, inside, read_scene
-from fibermelt.report.kit.style import STYLE, add_axes, new_figure, round_up, share_within
-from fibermelt.report.kit.ticks import Roomy
+from fibermelt.report.kit.style import STYLE, Roomy, add_axes, new_figure, round_up, share_within
 
 ROUNDING = 1e-12
 """Relative; sums of a few thousand areas."""

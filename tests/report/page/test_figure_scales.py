@@ -6,21 +6,16 @@ import re
 from functools import cache
 from itertools import combinations
 
-import matplotlib as mpl
 import pytest
 import xarray as xr
 from drawn_bead import rescaled, with_voids
 from examples_drawn import examples
-from figure_texts import texts
+from figure_texts import shown
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
 from suspended_fibers import oriented
 
 from fibermelt.report.kit.plates import Plate
-from fibermelt.report.kit.style import STYLE
 from fibermelt.report.page.figures import FIGURES
 
 pytestmark = pytest.mark.verification
@@ -44,14 +39,6 @@ def bead() -> xr.Dataset:
     return with_voids(oriented())
 
 
-def shown(figure: Figure) -> list[tuple[str, Bbox]]:
-    """Return every text of a figure with the place that it takes."""
-    canvas = FigureCanvasAgg(figure)
-    with mpl.rc_context(STYLE):
-        canvas.draw()
-        return [(t.get_text(), t.get_window_extent(canvas.get_renderer())) for t in texts(figure)]
-
-
 @pytest.mark.parametrize("plate", PLATES, ids=lambda plate: plate.name)
 @given(
     width=st.floats(0.2e-3, 20e-3),
@@ -68,13 +55,13 @@ def test_figures_read_alike_at_every_scale(
     results = rescaled(bead(), width / CAPILLARY, slower, stiffer)
     figure = plate.draw(results)
     boxes = shown(figure)
-    for name, box in boxes:
+    for name, box, _ in boxes:
         assert box.x0 >= 0, name
         assert box.y0 >= 0, name
         assert box.x1 <= figure.bbox.width, name
         assert box.y1 <= figure.bbox.height, name
         assert not NOTHING.search(name.replace("$", "")), name
-    for (one, first), (other, second) in combinations(boxes, 2):
+    for (one, first, _), (other, second, _) in combinations(boxes, 2):
         assert not first.overlaps(second), f"{one!r} overlaps {other!r}"
     for axes in figure.axes:
         assert axes.has_data() or axes.get_legend(), "an empty axis"

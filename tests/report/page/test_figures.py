@@ -1,148 +1,29 @@
 from __future__ import annotations
 
-import struct
 import subprocess
 import sys
-from itertools import combinations
+import time
+from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
-import matplotlib as mpl
 import pytest
 import xarray as xr
 from drawn_bead import made_up
-from figure_texts import texts
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from drawn_cases import case
+from patience import PATIENCE
 
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.paper.claims.conditions import conditions_of
-from fibermelt.report.kit.plates import Plate
-from fibermelt.report.kit.style import FULL, PNG_DOTS, STYLE, save
-from fibermelt.report.page.figures import FIGURES, draw_figures
+from fibermelt.report.kit.plates import Plate, draw_plates
+from fibermelt.report.page import hand
+from fibermelt.report.page.figures import FIGURES
+from fibermelt.report.page.hand import draw_with_help
 from fibermelt.study.loading import load_study
-
-SMALLEST_TYPE = 6.5
-"""Points; smaller type cannot be read on paper."""
-
-LARGEST_SVG = 450_000
-"""Bytes; a dozen of them, most of them smaller, must fit into a report of 5 MB."""
-
-BEAD = [
-    plate for plate in FIGURES if plate.needs.startswith("extreme") and "field" not in plate.needs
-]
-"""Figures of fibers in the bead; those of other parts have tests of their own."""
-
-every_figure = pytest.mark.parametrize("plate", BEAD, ids=lambda plate: plate.name)
 
 
 @pytest.fixture(scope="module")
 def results() -> xr.Dataset:
     return made_up()
-
-
-@pytest.fixture(scope="module")
-def folder(results: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("figures")
-    written = draw_figures(results, folder)
-    assert sorted(written) == sorted(folder.iterdir())
-    return folder
-
-
-@every_figure
-def test_png_is_as_wide_as_a_page(plate: Plate, folder: Path) -> None:
-    data = (folder / f"{plate.name}.png").read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    width, height = struct.unpack(">II", data[16:24])
-    assert abs(width - FULL / 25.4 * PNG_DOTS) <= 1
-    assert 0.3 * width < height < 1.2 * width
-
-
-@every_figure
-def test_svg_is_small_and_says_what_it_is(plate: Plate, folder: Path) -> None:
-    data = (folder / f"{plate.name}.svg").read_bytes()
-    assert len(data) < LARGEST_SVG
-    root = ET.fromstring(data)
-    assert root.findtext("{http://www.w3.org/2000/svg}title") == plate.title
-    assert b"<dc:date" not in data
-
-
-@every_figure
-def test_same_results_give_same_bytes_whatever_the_users_settings(
-    plate: Plate, results: xr.Dataset, folder: Path, tmp_path: Path
-) -> None:
-    with mpl.rc_context({"font.size": 20, "svg.hashsalt": "another", "lines.linewidth": 9}):
-        again = save(plate.draw(results), tmp_path / plate.name, plate.title, plate.words(results))
-        assert mpl.rcParams["font.size"] == 20
-    for path in again:
-        assert path.read_bytes() == (folder / path.name).read_bytes()
-
-
-@every_figure
-def test_words_tell_numbers_and_are_no_leftovers(plate: Plate, results: xr.Dataset) -> None:
-    words = plate.words(results)
-    for text in (words.caption, words.alt):
-        assert len(text) > 80
-        assert text.endswith(".")
-        assert "nan" not in text
-        assert "  " not in text
-        assert "{" not in text
-    assert words.caption != words.alt
-
-
-def _five_marked() -> xr.Dataset:
-    config = "[streamlines]\nfeatures = [2, 6, 10, 14, 18]"
-    bead = made_up(angles=13)
-    return bead.assign_attrs(config=bead.attrs["config"].split("[streamlines]")[0] + config)
-
-
-def _side_by_side() -> xr.Dataset:
-    bead = made_up()
-    return bead.assign_attrs(config=bead.attrs["config"].replace("4, 10, 18", "9, 10, 11"))
-
-
-VARIANTS = {
-    "the paper's": made_up,
-    "one streamline, one angle": lambda: made_up(count=1, angles=1),
-    "five marked streamlines": _five_marked,
-    "marked side by side": _side_by_side,
-}
-
-
-@every_figure
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_text_is_large_enough_and_neither_cut_off_nor_overlapping(
-    plate: Plate, variant: str
-) -> None:
-    figure = plate.draw(VARIANTS[variant]())
-    canvas = FigureCanvasAgg(figure)
-    with mpl.rc_context(STYLE):
-        canvas.draw()
-        boxes = [
-            (text.get_text(), text.get_window_extent(canvas.get_renderer()), text.get_fontsize())
-            for text in texts(figure)
-        ]
-    assert boxes
-    for name, box, size in boxes:
-        assert size >= SMALLEST_TYPE, name
-        assert box.x0 >= 0, name
-        assert box.y0 >= 0, name
-        assert box.x1 <= figure.bbox.width, name
-        assert box.y1 <= figure.bbox.height, name
-    for (one, first, _), (other, second, _) in combinations(boxes, 2):
-        assert not first.overlaps(second), f"{one!r} overlaps {other!r}"
-
-
-@pytest.mark.parametrize("plate", [p for p in BEAD if p.paper], ids=lambda plate: plate.name)
-def test_caption_names_the_papers_figure(plate: Plate, results: xr.Dataset) -> None:
-    assert plate.words(results).caption.startswith(f"{plate.paper} of the paper: ") or (
-        plate.words(results).caption.startswith(f"{plate.paper} of the paper, ")
-    )
-
-
-def test_the_papers_figures_are_all_there() -> None:
-    told = " ".join(plate.paper for plate in FIGURES)
-    for number in ("2a", "2b", "3", "4", *map(str, range(8, 14)), "16", "17", "18", "19", "20"):
-        assert f"Fig. {number}" in told
 
 
 @pytest.mark.parametrize("name", ["history", "profiles", "extremes", "positions"])
@@ -166,14 +47,6 @@ def test_the_papers_numbers_stand_beside_those_of_its_study_only(
     assert "The paper's text" not in plate.words(of_study("flow.gap=3.5 mm")).caption
 
 
-@every_figure
-def test_drawing_leaves_the_results_alone(plate: Plate, results: xr.Dataset) -> None:
-    before = results.copy(deep=True)
-    plate.draw(results)
-    plate.words(results)
-    xr.testing.assert_identical(results, before)
-
-
 def test_words_follow_the_numbers() -> None:
     overview = next(plate for plate in FIGURES if plate.name == "overview")
     calm = made_up()
@@ -185,3 +58,65 @@ def test_words_follow_the_numbers() -> None:
 def test_command_line_starts_without_matplotlib() -> None:
     code = "import sys, fibermelt.cli; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.fixture(scope="module")
+def turns() -> tuple[Plate, ...]:
+    """Return figures that are drawn fast, enough of them for two processes."""
+    return tuple(plate for plate in FIGURES if plate.needs == "orbit_period")
+
+
+@pytest.fixture(scope="module")
+def alone(turns: tuple[Plate, ...], tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("alone")
+    return {path.name: path.read_bytes() for path in draw_plates(turns, case("turns"), folder)}
+
+
+def read(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_two_processes_draw_the_same_files(
+    turns: tuple[Plate, ...],
+    alone: dict[str, bytes],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The one here is told to wait until the other has drawn: it does its share."""
+    here: list[str] = []
+
+    def slow(plates: list[Plate], results: xr.Dataset, directory: Path) -> list[Path]:
+        other = directory / f"{turns[-1].name}.png"
+        while not other.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        here.extend(plate.name for plate in plates)
+        return draw_plates(plates, results, directory)
+
+    end = time.monotonic() + PATIENCE
+    monkeypatch.setattr(hand, "draw_plates", slow)
+    draw_with_help(turns, case("turns"), tmp_path, hands=2)
+    assert read(tmp_path) == alone
+    assert turns[-1].name not in here
+
+
+def test_what_a_second_process_does_not_draw_is_drawn_here(
+    turns: tuple[Plate, ...],
+    alone: dict[str, bytes],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    draw_with_help(turns, case("turns"), tmp_path, hands=2)
+    assert read(tmp_path) == alone
+
+
+def test_a_second_process_that_dies_at_its_work_leaves_it_to_the_first(
+    turns: tuple[Plate, ...], alone: dict[str, bytes], tmp_path: Path
+) -> None:
+    """A figure of no page is unknown to it: it ends with an error."""
+    unknown = replace(turns[-1], name="unknown")
+    draw_with_help((*turns[:-1], unknown), case("turns"), tmp_path, hands=2)
+    assert {name.partition(".")[0] for name in read(tmp_path)} == {
+        *(plate.name for plate in turns[:-1]),
+        "unknown",
+    }

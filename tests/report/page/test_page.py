@@ -19,17 +19,17 @@ from stored_bead import stored_results, stored_summary
 
 from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import StoreError
+from fibermelt.paper.claims.section import claims
 from fibermelt.parts.bead.figures.interactive import MOST_ANGLES, MOST_LINES, bead_data
-from fibermelt.report.kit.judged import claims
-from fibermelt.report.kit.tables import Column, measured, number, table
+from fibermelt.report.kit.tables import Column, Table, measured, number
 from fibermelt.report.page import embed
-from fibermelt.report.page.account import _one, account
-from fibermelt.report.page.chapters import files
 from fibermelt.report.page.embed import _in_dots, embed_figures
+from fibermelt.report.page.endmatter import files
 from fibermelt.report.page.figures import FIGURES, draw_figures
 from fibermelt.report.page.page import render
-from fibermelt.report.page.sections import FURTHER, SECTIONS
+from fibermelt.report.page.sections import SECTIONS
 from fibermelt.report.page.sources import USES, read_sources, sources_of, written
+from fibermelt.report.page.what_was_run import _one, what_was_run
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
 from fibermelt.units import parse
@@ -122,17 +122,16 @@ def test_what_lies_beside_it_is_a_click_away(page: str, results: xr.Dataset) -> 
     for name in ("results.nc", "summary.json", "config.toml", "flow.vtu", "export/"):
         assert f'<a href="{name}">{name}</a>' in page
     alone = results.assign_attrs(config='study.parts = ["orientation"]')
-    assert "flow.vtu" not in files(alone, {})  # no other part writes one
+    assert "flow.vtu" not in files.words(alone, {})  # no other part writes one
     study = 'flow.source = "field"\nfield.file = "a.vtu"\nfield.content = "known"'
-    assert "flow.vtu" not in files(results.assign_attrs(config=study), {})
+    assert "flow.vtu" not in files.words(results.assign_attrs(config=study), {})
 
 
 def test_figures_stand_once_each_with_words_and_a_size(read: Reader, results: xr.Dataset) -> None:
     images = read.all("img")
     drawn = [plate for plate in FIGURES if plate.is_of(results)]
     words = {plate.name: plate.words(results).alt for plate in drawn}
-    asked = ["overview", *(name for section in SECTIONS for name in section.figures)]
-    assert [image["alt"] for image in images] == [words[name] for name in asked if name in words]
+    assert [image["alt"] for image in images] == list(words.values())
     assert len({image["src"] for image in images}) == len(drawn)
     for image in images:
         assert int(str(image["width"])) > 1000
@@ -195,21 +194,22 @@ def test_sections_are_left_out_where_there_is_nothing_to_tell(results: xr.Datase
 
 
 def test_claims_are_told_with_their_verdicts(results: xr.Dataset) -> None:
-    html = claims(results, stored_summary(results))
+    html = claims.words(results, stored_summary(results))
     for text in ("holds 1, differs 1", "✓ holds", "≠ differs", "−0.39", "by 0.11 MPa"):
         assert text in html
-    assert not claims(results, {"claims": []})
+    assert not claims.words(results, {"claims": []})
 
 
 def test_sections_have_names_of_their_own() -> None:
     names = [section.name for section in SECTIONS]
-    assert len({*names, FURTHER.name, "run", "bead"}) == len(names) + 3
+    assert len({*names, "run"}) == len(names) + 1
+    assert len({section.place for section in SECTIONS}) == len(names)
 
 
 def test_parameters_are_in_the_units_of_their_defaults_and_marked(results: xr.Dataset) -> None:
-    assert "All parameters have their defaults" in account(results, {})
+    assert "All parameters have their defaults" in what_was_run(results)
     changed = resolve({"flow": {"gap": "3.5 mm"}, "fiber": {"initial_angles": ["10 deg"]}})
-    html = account(stored_results(config=changed), {})
+    html = what_was_run(stored_results(config=changed))
     assert "2 of its parameters differ from the defaults" in html
     for text in (
         "3.5\xa0mm",
@@ -276,7 +276,7 @@ def test_figures_go_over_to_dots_where_lines_are_too_large(
     found = {found.name: found.source for found in embed_figures(results, drawn)}
     changed = [name for name, source in found.items() if source != lines[name]]
     smaller = [
-        name for name in lines if sum(map(len, _in_dots(drawn[f"{name}.png"]))) < len(lines[name])
+        name for name in lines if _in_dots(drawn[f"{name}.png"], len(lines[name])) is not None
     ]
     assert changed == [max(smaller, key=lambda name: len(lines[name]))]
     assert sum(map(len, found.values())) < total
@@ -368,7 +368,7 @@ def test_numbers_with_an_error(value: float, error: float, text: str) -> None:
 
 def test_a_table_refuses_rows_of_another_length() -> None:
     with pytest.raises(ValueError, match="2 columns was given a row of 1"):
-        table("caption", [Column("a"), Column("b")], [["1"]])
+        Table("caption", [Column("a"), Column("b")], [["1"]])
 
 
 @pytest.mark.parametrize("item", list(declarations(Config)), ids=lambda item: item.key)

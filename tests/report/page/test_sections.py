@@ -15,22 +15,25 @@ from stored_bead import stored_results, stored_summary
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
-from fibermelt.paper.orbits.section import dimensions, shear
+from fibermelt.paper.claims.section import claims
+from fibermelt.paper.dimensions.section import dimensions
+from fibermelt.paper.orbits.section import shear
 from fibermelt.paper.orbits.summary import summarize_dimensions, summarize_orbits
+from fibermelt.parts.bead.section import numbers
 from fibermelt.parts.bead.summary import bead_in_words
-from fibermelt.parts.orientation.section import content, orientation
+from fibermelt.parts.interaction.section import content
+from fibermelt.parts.orientation.section import orientation
 from fibermelt.parts.orientation.summary import summarize_interaction, summarize_orientation
+from fibermelt.parts.verification.section import verification
 from fibermelt.parts.voids.advice import advice
-from fibermelt.parts.voids.figures import voids_words
+from fibermelt.parts.voids.figures import figure_voids
 from fibermelt.parts.voids.section import voids
 from fibermelt.parts.voids.summary import summarize_voids, voids_in_words
-from fibermelt.report.kit.judged import claims, verification
 from fibermelt.report.kit.tables import fixed, number, percent, short, sized
 from fibermelt.report.page.answer import answer
-from fibermelt.report.page.chapters import numbers
 from fibermelt.report.page.embed import Embedded
 from fibermelt.report.page.figures import FIGURES
-from fibermelt.report.page.sections import FURTHER, SECTIONS, told
+from fibermelt.report.page.sections import SECTIONS, filled
 
 MPA = 1e-6
 
@@ -51,7 +54,7 @@ def orbits() -> dict[str, Any]:
 
 
 def test_table_1_stands_with_ours_and_the_papers_beside_jefferys(orbits: dict[str, Any]) -> None:
-    html = shear(xr.Dataset(), orbits)
+    html = shear.words(xr.Dataset(), orbits)
     for sweep, what in (("aspect_ratio", "aspect ratio"), ("shear_rate", "shear rate")):
         stored = [row for row in orbits["orbits"]["periods"] if row["sweep"] == sweep]
         assert len(stored) == 3
@@ -77,24 +80,24 @@ def test_how_much_the_cell_is_felt_follows_the_numbers(orbits: dict[str, Any]) -
     changed = copy.deepcopy(orbits)
     base = changed["orbits"]["cases"][0]
     base["confined-ellipse"]["period"] = 1.25 * base["ellipse"]["period"]
-    html = shear(xr.Dataset(), changed)
+    html = shear.words(xr.Dataset(), changed)
     assert "a turn takes 125.0 % of the time that Jeffery’s takes" in html
     base["confined-ellipse"]["period"] = None
-    assert "so near that the fiber stalls in it" in shear(xr.Dataset(), changed)
+    assert "so near that the fiber stalls in it" in shear.words(xr.Dataset(), changed)
 
 
 def test_a_fiber_that_stalls_has_no_period(orbits: dict[str, Any]) -> None:
     stalled = copy.deepcopy(orbits)
     row = stalled["orbits"]["periods"][0]
     row["ours"] = row["ours_above_jeffery"] = row["paper"] = row["paper_above_jeffery"] = None
-    shown = rows(shear(xr.Dataset(), stalled), "Time of a full turn by aspect ratio")[0]
+    shown = rows(shear.words(xr.Dataset(), stalled), "Time of a full turn by aspect ratio")[0]
     assert shown[2:] == ["–"] * 4
 
 
 def test_two_dimensions_stand_against_three() -> None:
     summary = summarize_dimensions(compared())
     found = summary["dimensions"]
-    html = dimensions(xr.Dataset(), summary)
+    html = dimensions.words(xr.Dataset(), summary)
     peaks = rows(html, "Highest pressure in simple shear")
     assert [row[-1] for row in peaks] == [
         number(peak["spheroid_over_ellipse"]) for peak in found["peaks"]
@@ -116,7 +119,7 @@ def test_content_leads_to_the_cell_by_both_conventions(suspension: xr.Dataset) -
     results = suspension
     summary = summarize_interaction(results)
     found = summary["interaction"]
-    html = content(results, summary)
+    html = content.words(results, summary)
     told = {row[0]: row[1] for row in rows(html, "The study’s content")}
     assert told["Interaction coefficient C_I"] == number(found["interaction"])
     assert told["Domain size M in which a fiber stalls at it"] == number(found["domain_size"])
@@ -133,13 +136,13 @@ def test_content_leads_to_the_cell_by_both_conventions(suspension: xr.Dataset) -
 def test_a_closure_that_is_not_compared_has_no_angles(suspension: xr.Dataset) -> None:
     results = suspension
     other = results.assign(interaction_closure="ORL")
-    assert "Angle, standard" in content(results, summarize_interaction(results))
-    assert "Angle, standard" not in content(other, summarize_interaction(results))
+    assert "Angle, standard" in content.words(results, summarize_interaction(results))
+    assert "Angle, standard" not in content.words(other, summarize_interaction(results))
 
 
 def test_the_tensor_at_the_outlet_is_told_by_streamline() -> None:
     results = oriented(count=6)
-    html = orientation(results, summarize_orientation(results))
+    html = orientation.words(results, summarize_orientation(results))
     shown = rows(html, "Orientation tensor at the outlet")
     last = results["orientation"].to_numpy()[:, -1]
     for row, tensor in zip(shown, last, strict=True):
@@ -153,7 +156,7 @@ def test_the_tensor_at_the_outlet_is_told_by_streamline() -> None:
     assert ["*" in row[0] for row in shown] == near.tolist()
     assert fixed(float(results["closure_error"].max()), 3) in html
     left = results.assign(orientation_violation=("streamline", np.full(6, 0.25)))
-    assert "by up to 0.25" in orientation(left, summarize_orientation(left))
+    assert "by up to 0.25" in orientation.words(left, summarize_orientation(left))
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +175,7 @@ def largest(rows: Iterable[dict[str, Any]], *names: str) -> float:
 
 def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[str, Any]) -> None:
     found = risk["voids"]
-    html = voids(bead, risk)
+    html = voids.words(bead, risk)
     assert f"{number(MPA * found['vapor_pressure'], 3)} MPa" in html
     most = largest(found["by_basis"].values(), "lowest_pressure", "margin")
     by_basis = rows(html, "Lowest local pressure in the bead")
@@ -196,9 +199,9 @@ def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[
 
 def test_numbers_of_a_flow_from_elsewhere_name_no_capillary(bead: xr.Dataset) -> None:
     summary = stored_summary(bead)
-    assert "Loc. 1 lies above the middle of the capillary" in numbers(bead, summary)
+    assert "Loc. 1 lies above the middle of the capillary" in numbers.words(bead, summary)
     whole = [{**one, "location": 0} for one in summary["extremes"] if one["location"] == 1]
-    html = numbers(bead, {**summary, "flow": {}, "extremes": whole})
+    html = numbers.words(bead, {**summary, "flow": {}, "extremes": whole})
     assert "capillary" not in html
     assert "The flow" not in html
     assert "Loc. 0 is the whole way" in html
@@ -219,7 +222,7 @@ def told_of(summary: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 def test_page_and_words_give_the_same_advice(bead: xr.Dataset, risk: dict[str, Any]) -> None:
     sentence = advice(risk["voids"])
-    assert f"What to do. {sentence}" in voids(bead, risk)
+    assert f"What to do. {sentence}" in voids.words(bead, risk)
     assert sentence in answer(bead, risk)
     assert f"what to do      {sentence}" in voids_in_words(risk)
 
@@ -234,7 +237,7 @@ def test_what_counts_as_onset_is_what_the_study_says(
     found = told_of(risk, threshold_rate=10.0**threshold)
     for line in found["streamlines"]:
         line.update(log10_rate=rate, critical_radius=4e-9, required_wetting=0.5)
-    html = voids(bead.assign(void_threshold=threshold), {**risk, "voids": found})
+    html = voids.words(bead.assign(void_threshold=threshold), {**risk, "voids": found})
     assert f"counted as onset is {number(threshold, 3)}: {outcome}." in html
     assert ("50 % of the barrier" in html) == (outcome == "none starts")
     (line,) = [one for one in voids_in_words({"voids": found}) if one.startswith("nucleation")]
@@ -312,7 +315,7 @@ def test_claims_are_counted_by_section_of_the_paper(bead: xr.Dataset) -> None:
         {**CLAIM, "id": "b", "section": "2.3, Fig. 8-9, and 4", "verdict": "differs"},
         {**CLAIM, "id": "c", "section": "3 and 4", "verdict": "cannot be judged"},
     ]
-    html = claims(xr.Dataset(), {"claims": listed})
+    html = claims.words(xr.Dataset(), {"claims": listed})
     assert rows(html, "Verdicts") == [
         ["Section 2.3, one fiber in simple shear", "1", "1", "0", "2"],
         ["Section 3, fibers in the bead", "0", "0", "1", "1"],
@@ -326,7 +329,7 @@ def test_claims_are_counted_by_section_of_the_paper(bead: xr.Dataset) -> None:
     listed[0]["statement"] = "another"
     words = "3 tests of 2 statements of the paper"
     summary = {**stored_summary(bead), "claims": listed}
-    assert f"<p>{words}, judged by code" in claims(xr.Dataset(), summary)
+    assert f"<p>{words}, judged by code" in claims.words(xr.Dataset(), summary)
     assert f"Of {words}: holds 1, differs 1, cannot be judged 1 (" in answer(bead, summary)
 
 
@@ -345,35 +348,32 @@ CHECKS: dict[str, Any] = {
 
 def test_checks_are_told_where_they_are_stored() -> None:
     stored = xr.Dataset({f"check_{name}": ("check", list(CHECKS[name])) for name in CHECKS})
-    html = verification(stored, {})
+    html = verification.words(stored, {})
     assert "1 of 2 checks pass" in html
     assert rows(html, "Flow")[0][1:] == ["3.20 × 10⁻⁹ Pa", "at most 1.00 × 10⁻⁸ Pa", "✓ pass"]
     assert rows(html, "Fiber")[0][1:] == ["–", "1.80 to 2.20", "✗ fail"]
     more = {"check_failure": ("check", ["", "it did not converge"]), "check_software": "scipy 1"}
-    html = verification(stored.assign(more), {})
+    html = verification.words(stored.assign(more), {})
     assert "it did not converge" in rows(html, "Fiber")[0][0]
     assert "with scipy 1" in html
 
 
-def embedded(name: str) -> Embedded:
-    return Embedded(name, name, "", "caption", "alt", Markup("data:,"), Markup(), 10, 10)
+def embedded(name: str, section: str) -> Embedded:
+    return Embedded(name, name, section, "", "caption", "alt", Markup("data:,"), Markup(), 10, 10)
 
 
-def test_each_figure_stands_once_and_where_it_belongs(bead: xr.Dataset) -> None:
-    asked = [name for section in SECTIONS for name in section.figures]
-    names = {plate.name for plate in FIGURES}
-    assert len(asked) == len({*asked})
-    assert {*asked} == names - {"overview"}
-    figures = {name: embedded(name) for name in (*asked, "new")}
-    found = told(bead, stored_summary(bead), figures)
-    placed = [figure.name for one in found for figure in one.figures]
-    assert sorted(placed) == sorted(figures)
-    last = next(one for one in found if one.section is FURTHER)
-    assert [figure.name for figure in last.figures] == ["new"]
+def test_each_figure_stands_in_the_section_that_it_names(bead: xr.Dataset) -> None:
+    figures = [embedded(plate.name, plate.section) for plate in FIGURES]
+    found = filled(bead, stored_summary(bead), figures)
+    assert [figure for one in found for figure in one.figures] == figures
+    order = [section.name for section in SECTIONS]
+    assert [one.section.name for one in found] == [
+        name for name in order if name in {one.section.name for one in found}
+    ]
 
 
 def test_what_is_not_stored_is_left_out(bead: xr.Dataset) -> None:
-    found = {one.section.name for one in told(bead, stored_summary(bead, claims=False), {})}
+    found = {one.section.name for one in filled(bead, stored_summary(bead, claims=False), [])}
     assert found == {"numbers", "files", "cost", "versions", "sources"}
 
 
@@ -386,4 +386,4 @@ def test_one_streamline_is_one_and_has_no_layers_to_compare(
     assert "layer by layer" in answer(bead, risk)
     assert "layer by layer" not in answer(bead, found)
     assert "on 1 streamline." in answer(bead, {**risk, "streamlines": risk["streamlines"][:1]})
-    assert "the 0 streamlines" not in voids_words(bead.assign(near_singularity=0)).caption
+    assert "the 0 streamlines" not in figure_voids.words(bead.assign(near_singularity=0)).caption

@@ -20,7 +20,7 @@ from swept_cases import (
 from fibermelt.paper.claims.judge import claims
 from fibermelt.report.sweep.computed import INDEX_USES, sources_told
 from fibermelt.report.sweep.page import render_sweep
-from fibermelt.report.sweep.words import varied_told
+from fibermelt.report.sweep.tables import varied_told
 from fibermelt.sweeps.axes import distribution_told
 from fibermelt.sweeps.claims import swept_claims
 from fibermelt.sweeps.table import sweep_table

@@ -58,7 +58,7 @@ def build_system(
     one, none = ng.CF(1.0), ng.CF(0.0)
     linear = [(one, none), (none, one), (ng.x, none), (ng.y, none), (none, ng.x), (none, ng.y)]
     rigid = [(one, none), (none, one), (-ng.y, ng.x)]
-    level = _edge_mean if numerics.pressure_reference == "cell-edge" else _far_node
+    level = _edge_mean if numerics.pressure_reference == "mean" else _far_node
     return CellSystem(
         matrix=matrix,
         free=free,

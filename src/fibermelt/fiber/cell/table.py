@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from fibermelt.fiber.curve import fold_angle
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.thinning import ThinningResponse, bending_rates, table_rates
 from fibermelt.melt import PowerLaw, ViscosityLaw
-from fibermelt.threads import exclusive
+from fibermelt.threads import cores, exclusive
 
 __all__ = ["solve_thinning"]
 
@@ -158,9 +157,7 @@ def _checks(law: ViscosityLaw, rates: Array, phases: Array) -> tuple[list[Point]
 
 def _processes(workers: int | None) -> int:
     """Return the number of processes that solve cells: one a core if not given."""
-    if workers is not None:
-        return max(1, workers)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return cores() if workers is None else max(1, workers)
 
 
 def _response(

@@ -10,9 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
+from fibermelt.parts.bead.shapes import SHAPES
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
+    COLUMN,
     GREY,
     INK,
     VERMILION,
@@ -20,14 +23,12 @@ from fibermelt.report.kit.style import (
     add_axes,
     letter,
     new_figure,
-    styled,
 )
-from fibermelt.report.kit.turns import COLUMN
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["dimensions_words", "figure_dimensions"]
+__all__ = ["figure_dimensions"]
 
 MPA = 1e-6
 """Megapascals in a pascal."""
@@ -47,12 +48,8 @@ APART = 0.24
 
 
 def _names(results: xr.Dataset) -> dict[str, str]:
-    size = float(results["dimension_domain_size"])
-    return {
-        "confined-ellipse": f"ellipse in its cell, M = {size:g}",
-        "ellipse": "ellipse, unbounded",
-        "spheroid": "spheroid, unbounded",
-    }
+    cell = f", M = {float(results['dimension_domain_size']):g}"
+    return {name: SHAPES[name].label + cell * SHAPES[name].has_cell for name in LOOKS}
 
 
 def _middle(results: xr.Dataset) -> int:
@@ -60,7 +57,47 @@ def _middle(results: xr.Dataset) -> int:
     return results.sizes["feature"] // 2
 
 
-@styled
+def dimensions_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    table = results["peak_at_ratio"]
+    share = (
+        table.sel(dimension_model="spheroid") / table.sel(dimension_model="ellipse")
+    ).to_numpy()
+    ratios = results["ratio"].to_numpy()
+    told = ", ".join(f"{s:.2f} at {r:g}" for s, r in zip(share, ratios, strict=True))
+    here = results.isel(feature=_middle(results))
+    lowest = {
+        name: MPA * float(here["feature_extreme"].sel(dimension_model=name).min()) for name in LOOKS
+    }
+    number, angles = int(here["feature_streamline"]), results.sizes["planar_angle"]
+    names = _names(results)
+    return Words(
+        caption=(
+            "What the plane ellipse costs. (a) Highest pressure on a fiber over a turn in simple "
+            f"shear; spheroid over unbounded ellipse: {told}. (b) Lowest pressure on the surface "
+            f"along streamline {number}, less the streamline's own: over {angles} initial angles "
+            "in the plane (continuous), over every orientation (dashed); grey: middle of the "
+            "capillary. (c) Lowest on the way, above the middle of the capillary (Loc. 1) and "
+            "below it (Loc. 2): mean (open) and lowest (filled) over the initial angles, and the "
+            "bound over every orientation (bar), by streamline."
+        ),
+        alt=(
+            "Three panels. In simple shear the pressure of the spheroid grows faster with the "
+            f"aspect ratio than that of the ellipses. Along streamline {number} the lowest is "
+            + ", ".join(f"{lowest[name]:.2f} MPa ({names[name]})" for name in LOOKS)
+            + "."
+        ),
+    )
+
+
+@plate(
+    "dimensions",
+    "Two dimensions against three",
+    section="two-and-three",
+    words=dimensions_words,
+    needs="peak_pressure",
+    place=1,
+)
 def figure_dimensions(results: xr.Dataset) -> Figure:
     """Draw peaks in shear, the lowest pressures on the way, and their minima, by model."""
     tall = 4.2 * 2 * results.sizes["feature"] + 4
@@ -156,36 +193,3 @@ def _minima(axes: Axes, results: xr.Dataset) -> None:
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x", color=BAND, linewidth=0.4)
     axes.set_xlabel(r"lowest $p - p_\psi$ [MPa]")
-
-
-def dimensions_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_dimensions`."""
-    table = results["peak_at_ratio"]
-    share = (
-        table.sel(dimension_model="spheroid") / table.sel(dimension_model="ellipse")
-    ).to_numpy()
-    ratios = results["ratio"].to_numpy()
-    told = ", ".join(f"{s:.2f} at {r:g}" for s, r in zip(share, ratios, strict=True))
-    here = results.isel(feature=_middle(results))
-    lowest = {
-        name: MPA * float(here["feature_extreme"].sel(dimension_model=name).min()) for name in LOOKS
-    }
-    number, angles = int(here["feature_streamline"]), results.sizes["planar_angle"]
-    names = _names(results)
-    return Words(
-        caption=(
-            "What the plane ellipse costs. (a) Highest pressure on a fiber over a turn in simple "
-            f"shear; spheroid over unbounded ellipse: {told}. (b) Lowest pressure on the surface "
-            f"along streamline {number}, less the streamline's own: over {angles} initial angles "
-            "in the plane (continuous), over every orientation (dashed); grey: middle of the "
-            "capillary. (c) Lowest on the way, above the middle of the capillary (Loc. 1) and "
-            "below it (Loc. 2): mean (open) and lowest (filled) over the initial angles, and the "
-            "bound over every orientation (bar), by streamline."
-        ),
-        alt=(
-            "Three panels. In simple shear the pressure of the spheroid grows faster with the "
-            f"aspect ratio than that of the ellipses. Along streamline {number} the lowest is "
-            + ", ".join(f"{lowest[name]:.2f} MPa ({names[name]})" for name in LOOKS)
-            + "."
-        ),
-    )

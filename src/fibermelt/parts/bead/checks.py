@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.config import Fiber, Numerics
+from fibermelt.parts.bead.shape import Sizes
 from fibermelt.parts.flow.config import Flow
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import melt_of, thins
@@ -41,13 +42,13 @@ def refuse_fibers(study: Tables) -> None:
 def _refuse_long(fiber: Fiber, width: float) -> None:
     """Refuse a fiber that sees the walls: every model takes the flow for a uniform gradient."""
     half_length = fiber.half_length
-    if fiber.model != "confined-ellipse" and 2 * half_length >= width:
+    if not fiber.shape.has_cell and 2 * half_length >= width:
         msg = (
             f"fiber.half_length = {half_length:g} m is too long: the fiber does not fit across "
             f"the capillary, flow.capillary_width = {width:g} m; shorten the fiber"
         )
         raise ConfigError(msg)
-    if fiber.model != "confined-ellipse" or fiber.domain_size == "from-content":
+    if not fiber.shape.has_cell or fiber.domain_size == "from-content":
         return
     cell = fiber.domain_size * half_length
     if cell >= width:
@@ -76,30 +77,22 @@ def _refuse_in_thinning_melts(study: Tables) -> None:
             f'the plane of the flow: take "in-plane", or {LOCAL}'
         )
         raise ConfigError(msg)
-    if fiber.model == "ellipsoid":
-        msg = f'fiber.model = "ellipsoid": has no answer {melt}: take "spheroid", or {LOCAL}'
+    shape, sizes = fiber.shape, Sizes(fiber.half_length, fiber.aspect_ratio, fiber.thickness_ratio)
+    if not shape.thins:
+        way = f'take "{shape.instead}", or {LOCAL}'
+        msg = f'fiber.model = "{shape.name}": has no answer {melt}: {way}'
         raise ConfigError(msg)
-    if fiber.model == "spheroid":
-        _refuse_beyond_the_table(study)
+    try:
+        shape.refuse_in_melt(sizes, melt_of(study.table(Melt)).law)
+    except ConfigError as error:
+        msg = f'{error}; or take fiber.model = "{shape.instead}", or {LOCAL}'
+        raise ConfigError(msg) from error
     if study.table(Numerics).cell_mesh == "paper":
         msg = (
             f'numerics.cell_mesh = "paper": is too coarse for a fiber {melt}: take "graded", '
             f"or {LOCAL}"
         )
         raise ConfigError(msg)
-
-
-def _refuse_beyond_the_table(study: Tables) -> None:
-    """Refuse spheroids beyond the table of those in a melt that thins."""
-    from fibermelt.fiber.spheroid import Spheroid  # noqa: PLC0415  lazy: NumPy
-    from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid  # noqa: PLC0415
-
-    try:
-        spheroid = Spheroid(1.0, study.table(Fiber).aspect_ratio)
-        unbounded_thinning_spheroid(spheroid, melt_of(study.table(Melt)).law)
-    except ConfigError as error:
-        msg = f'{error}; or take fiber.model = "ellipse", or {LOCAL}'
-        raise ConfigError(msg) from error
 
 
 def fiber_notes(study: Tables) -> list[str]:

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
 from fibermelt.engine.parameters import Section, quantity, setting
+from fibermelt.parts.bead.shape import FiberShape
+from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.sources import PAPER_3, PAPER_25, VERIFIED
 
 __all__ = ["FROM_CONTENT", "Fiber", "Numerics"]
+
+if TYPE_CHECKING:
+    ShapeName = str
+else:
+    ShapeName = Literal[tuple(SHAPES)]
 
 FROM_CONTENT = "from-content"
 """What a domain size is called that follows from the fiber content."""
@@ -44,10 +51,9 @@ class Fiber(Section):
         le=100,
         example="12",
     )
-    model: Literal["confined-ellipse", "ellipse", "spheroid", "ellipsoid"] = setting(
-        "confined-ellipse",
-        "What answers for the fiber: an ellipse in its cell; or, without one, an ellipse, a "
-        "spheroid, or an ellipsoid of three axes.",
+    model: ShapeName = setting(
+        next(iter(SHAPES)),
+        "What answers for the fiber: " + ", ".join(one.meaning for one in SHAPES.values()) + ".",
         source="the paper's is the confined ellipse; a real fiber is closest to a spheroid",
     )
     melt: Literal["law", "local-viscosity"] = setting(
@@ -99,14 +105,19 @@ class Fiber(Section):
         50, 'Number of initial directions, with directions = "equal-area".', ge=1, le=10000
     )
 
+    @property
+    def shape(self) -> FiberShape:
+        """Return what ``model`` names."""
+        return SHAPES[self.model]
+
     @model_validator(mode="after")
     def _path(self) -> Self:
         """Refuse the paper's algorithm where there is no cell to work on."""
-        if self.path == "newton" and self.model != "confined-ellipse":
+        if self.path == "newton" and not self.shape.has_cell:
             msg = (
                 'fiber.path = "newton": the paper\'s algorithm works on a cell, which '
-                f'fiber.model = "{self.model}" has not: take fiber.model = "confined-ellipse", or '
-                'fiber.path = "superposition"'
+                f'fiber.model = "{self.model}" has not: take fiber.model = {choices("has_cell")}, '
+                'or fiber.path = "superposition"'
             )
             raise ValueError(msg)
         return self
@@ -114,18 +125,18 @@ class Fiber(Section):
     @model_validator(mode="after")
     def _start(self) -> Self:
         """Refuse no fibers, degrees written as radians, an ellipse out of its plane."""
-        if self.directions == "equal-area" and self.model not in ("spheroid", "ellipsoid"):
+        if self.directions == "equal-area" and not self.shape.in_space:
             msg = (
                 f'fiber.directions = "equal-area": with fiber.model = "{self.model}" the fiber is '
                 "a cylinder across the flow, which has no direction out of the plane: take "
-                'fiber.model = "spheroid" or "ellipsoid"'
+                f"fiber.model = {choices('in_space')}"
             )
             raise ValueError(msg)
-        if self.thickness_ratio is not None and self.model != "ellipsoid":
+        if self.thickness_ratio is not None and not self.shape.has_thickness:
             msg = (
                 f"fiber.thickness_ratio = {self.thickness_ratio:g}: with fiber.model = "
                 f'"{self.model}" there is no third axis: leave it away, or take fiber.model = '
-                '"ellipsoid"'
+                f"{choices('has_thickness')}"
             )
             raise ValueError(msg)
         if self.thickness_ratio is not None and self.thickness_ratio < self.aspect_ratio:
@@ -169,9 +180,9 @@ class Numerics(Section):
         lt=0.1,
     )
     isotropic_angles: int = setting(
-        360,
-        "Number of directions in space that stand for an isotropic start of spheroids, for the "
-        "quantiles; those of fibers in the plane are exact.",
+        200,
+        "Number of fibers that stand for an isotropic start, for the quantiles: initial angles in "
+        "the plane, directions or frames in space.",
         ge=3,
         le=10000,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fibermelt.engine.parts import Part
 from fibermelt.engine.stages import Stage, always
 from fibermelt.parts.bead.config import FROM_CONTENT, Fiber, Numerics
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.melt.melt import LAW, thins_at_fibers
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def _in_the_melt(values: Mapping[str, Value]) -> tuple[str, ...]:
 
 def _closed_form(values: Mapping[str, Value]) -> bool:
     """Tell whether the fiber has no cell to solve: 3 ms, where writing and reading takes 70."""
-    return values["fiber.model"] != "confined-ellipse"
+    return not SHAPES[str(values["fiber.model"])].has_cell
 
 
 PART = Part(
@@ -66,7 +67,7 @@ PART = Part(
         ),
         Stage(
             "response",
-            1,
+            2,
             (*FIBER, LAW, "numerics.thinning_order"),
             (),
             f"{HERE}.response:response_stage",
@@ -75,7 +76,7 @@ PART = Part(
         ),
         Stage(
             "motion",
-            3,
+            4,
             (
                 *CELL,
                 LAW,

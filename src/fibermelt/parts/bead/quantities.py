@@ -123,6 +123,8 @@ QUANTITIES = declared(
       "bounds of the extreme over every orientation"),
     Q("extreme_quantiles", "streamline location kind quantile", "Pa",
       "quantiles of the extreme for an isotropic start"),
+    Q("extreme_quantiles_error", "streamline location kind quantile", "Pa",
+      "estimated error of the quantiles, by the number of fibers"),
     Q("zone_angle", "streamline initial_angle zone", "rad",
       "angle of the fiber to the streamline at the zone"),
 )

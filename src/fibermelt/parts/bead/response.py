@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.parts.bead.quantities import QUANTITIES
-from fibermelt.parts.bead.stages import domain_size, thinning_numerics
+from fibermelt.parts.bead.shapes import SHAPES
+from fibermelt.parts.bead.stages import domain_size, sizes_of, thinning_numerics
 from fibermelt.parts.melt.melt import law_of
 
 if TYPE_CHECKING:
@@ -22,14 +23,6 @@ if TYPE_CHECKING:
     from fibermelt.melt import ViscosityLaw
 
 __all__ = ["response_estimates", "response_stage", "thinning_response"]
-
-SPIN_BOUND, PRESSURE_BOUND = 5e-3, 1e-2
-"""Largest estimated errors of an ellipse's table: of the spin over the strain's size, and of the
-pressure extremes over the largest pressure. At n = 0.5 they have 1e-5 and 1.2e-3, at 0.25 7e-3;
-finer costs minutes, and no law of a melt is known so well."""
-
-SPHEROID_BOUND = 0.2
-"""The same of a spheroid's, in three dimensions and for a local index: as told beside it."""
 
 
 def response_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -47,9 +40,7 @@ def response_estimates(parameters: Parameters, table: Mapping[Any, Any]) -> tupl
         "take a higher numerics.thinning_order, a smaller fiber.aspect_ratio or a larger "
         'melt.index; or say fiber.melt = "local-viscosity", an approximation'
     )
-    bounds = (SPIN_BOUND, PRESSURE_BOUND)
-    if parameters["fiber.model"] == "spheroid":
-        bounds = (SPHEROID_BOUND, SPHEROID_BOUND)
+    bounds = SHAPES[parameters["fiber.model"]].table_bounds
     return tuple(
         Estimate(f"thinning_{name}_error", float(table[f"thinning_{name}_error"]), bound, cure)
         for name, bound in zip(("spin", "pressure"), bounds, strict=True)
@@ -66,19 +57,10 @@ def thinning_response(
     parameters, inputs
         As a stage has them.
     model : str
-        An ellipse in its cell, or in one so large that it is hardly felt; or a spheroid, whose
-        table is shipped.
+        The name of its shape.
     law : ViscosityLaw
         The melt.
     """
-    from fibermelt.fiber.cell import solve_thinning  # noqa: PLC0415  lazy: the finite elements
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-    from fibermelt.fiber.spheroid import Spheroid  # noqa: PLC0415
-    from fibermelt.fiber.thinning import UNBOUNDED_SIZE  # noqa: PLC0415
-    from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid  # noqa: PLC0415
-
-    size = parameters["fiber.half_length"], parameters["fiber.aspect_ratio"]
-    if model == "spheroid":
-        return unbounded_thinning_spheroid(Spheroid(*size), law)
-    cell = domain_size(parameters, inputs) if model == "confined-ellipse" else UNBOUNDED_SIZE
-    return solve_thinning(Ellipse(*size), cell, law, thinning_numerics(parameters))
+    shape = SHAPES[model]
+    size = domain_size(parameters, inputs) if shape.has_cell else 0.0
+    return shape.thinning(sizes_of(parameters), law, size, thinning_numerics(parameters))

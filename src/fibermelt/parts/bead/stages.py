@@ -5,32 +5,36 @@ What computes is imported when a stage runs, so that a study that is stored cost
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
 from fibermelt.parts.bead.quantities import QUANTITIES
+from fibermelt.parts.bead.shape import Sizes
+from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.melt.melt import law_of, viscosity_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.fiber.cell_data import CellNumerics
-    from fibermelt.fiber.models import FiberModel, ModelName
-    from fibermelt.fiber.shape import Ellipse
+    from fibermelt.fiber.models import FiberModel
     from fibermelt.history import FlowHistory
 
 __all__ = [
     "cell_estimates",
+    "cell_numerics",
     "cell_stage",
     "domain_size",
     "foresee_motion",
     "motion_estimates",
     "motion_stage",
+    "sizes_of",
     "stored_model",
     "stored_path",
     "thinning_numerics",
@@ -39,21 +43,15 @@ __all__ = [
 MODELS_KEPT = 8
 """Models of fibers that are kept at hand: a few hundred kilobytes each."""
 
-PRESSURE_REFERENCE: dict[str, Literal["cell-edge", "far-node"]] = {
-    "mean": "cell-edge",
-    "far-node": "far-node",
-}
-"""Names that the pressure's level has in a study, and in `fibermelt.fiber`."""
-
-
 SHAPE_FACTOR_BOUND = {"graded": 1e-3, "paper": 2e-2}
 """Largest estimated error of ``B``, over ``B`` if that is above one. The lowest order has 1e-4 at
 ``M = 4``, the default 1e-9; the paper's mesh, whose error is what it is there to show, has 1.4e-2
 at ``M = 2.01``. A rounder fiber in a narrower cell takes a higher order, or is lost to rounding."""
 
 EXTREME_BOUND = 0.25
-"""Largest estimated error of the extremes, median over all, in parts of the largest on their paths:
-1e-3 on the default paths; of 52 points, with which an extreme is a fifth off, 0.1."""
+"""Largest estimated error of the extremes and of their quantiles, median over all, in parts of the
+largest on their paths: 1e-3 on the default paths; of 52 points, with which an extreme is a fifth
+off, 0.1. Quantiles have 1e-4 of the default number of fibers, 1e-3 of 25."""
 
 TIP_PRESSURE_BOUND = {"graded": 0.05, "paper": 1.0}
 """Largest estimated error of the tip pressure, relative: the lowest order has 1e-2 at ``M = 4``,
@@ -63,14 +61,20 @@ itself it says nothing of it."""
 
 def cell_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Solve the fiber's cell, or take what is known of a fiber without one."""
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415  lazy: see the module
+    shape = SHAPES[parameters["fiber.model"]]
+    numerics, size = None, 0.0
+    if shape.has_cell:
+        numerics, size = cell_numerics(parameters), domain_size(parameters, inputs)
+    return labelled(
+        {"fiber_model": shape.name, **shape.solved(sizes_of(parameters), size, numerics, say)},
+        QUANTITIES,
+    )
 
-    ratio = parameters["fiber.aspect_ratio"]
-    if parameters["fiber.model"] == "confined-ellipse":
-        fiber = Ellipse(parameters["fiber.half_length"], ratio)
-        return _confined(fiber, domain_size(parameters, inputs), parameters, say)
-    third = parameters["fiber.thickness_ratio"]
-    return _unbounded(parameters["fiber.model"], ratio, ratio if third is None else third, say)
+
+def sizes_of(parameters: Mapping[str, Any]) -> Sizes:
+    """Return how large the study's fiber is."""
+    names = ("half_length", "aspect_ratio", "thickness_ratio")
+    return Sizes(*(parameters[f"fiber.{name}"] for name in names))
 
 
 def cell_estimates(parameters: Parameters, cell: xr.Dataset) -> tuple[Estimate, ...]:
@@ -97,43 +101,11 @@ def domain_size(parameters: Parameters, inputs: Inputs) -> float:
     return float(parameters["fiber.domain_size"])
 
 
-def _confined(fiber: Ellipse, size: float, parameters: Parameters, say: Say) -> xr.Dataset:
-    """Solve the cell of a confined ellipse."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415
-
-    solution = solve_cell(fiber, size, _numerics(parameters))
-    say(f"{solution.unknowns} unknowns, shape factor {solution.shape_factor:.6f}")
-    stall_angle, error = solution.stall_angle, solution.error_estimate
-    return labelled(
-        {
-            "fiber_model": "confined-ellipse",
-            "aspect_ratio": fiber.aspect_ratio,
-            "domain_size": solution.domain_size,
-            "shape_factor": solution.shape_factor,
-            "stall_angle": np.nan if stall_angle is None else stall_angle,
-            "tip_pressure": solution.tip_pressure,
-            "shape_factor_error": np.nan if error is None else error.shape_factor,
-            "tip_pressure_error": np.nan if error is None else error.tip_pressure,
-            "cell_unknowns": solution.unknowns,
-            "surface_angle": solution.response.surface,
-            "surface_basis": solution.response.basis,
-            "cell_point": solution.points,
-            "cell_triangle": solution.cells,
-            "cell_edge": solution.element_edges,
-            "cell_velocity": solution.velocity,
-            "cell_pressure": solution.pressure,
-        },
-        QUANTITIES,
-    )
-
-
-def _numerics(parameters: Parameters) -> CellNumerics:
+def cell_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved."""
     from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
 
-    reference = PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]]
+    reference = parameters["fiber.pressure_reference"]
     if parameters["numerics.cell_mesh"] == "paper":
         return CellNumerics(mesh="paper", pressure_reference=reference)
     return CellNumerics(order=parameters["numerics.cell_order"], pressure_reference=reference)
@@ -146,43 +118,7 @@ def thinning_numerics(parameters: Parameters) -> CellNumerics:
     return replace(
         THINNING_NUMERICS,
         order=parameters["numerics.thinning_order"],
-        pressure_reference=PRESSURE_REFERENCE[parameters["fiber.pressure_reference"]],
-    )
-
-
-def _unbounded(name: ModelName, aspect_ratio: float, thickness: float, say: Say) -> xr.Dataset:
-    """Take the closed forms of a fiber in an unbounded melt: nothing is solved, nothing in error.
-
-    An unbounded fiber tumbles, as ``xi < 1``.
-    """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.surroundings import surroundings  # noqa: PLC0415
-
-    model = _unbounded_model(name, aspect_ratio, thickness)
-    response, around = model.response, surroundings(model)
-    say(f"closed form of an unbounded {name}, shape factor {response.shape_factor:.6f}")
-    return labelled(
-        {
-            "fiber_model": name,
-            "aspect_ratio": aspect_ratio,
-            **({"thickness_ratio": thickness} if name == "ellipsoid" else {}),
-            "domain_size": np.nan,
-            "shape_factor": response.shape_factor,
-            "stall_angle": np.nan,
-            "tip_pressure": response.tip_pressure,
-            "shape_factor_error": 0.0,
-            "tip_pressure_error": 0.0,
-            "cell_unknowns": 0,
-            "surface_angle": response.surface,
-            "surface_basis": response.basis,
-            "cell_point": around.points,
-            "cell_triangle": around.cells,
-            "cell_edge": around.lines,
-            "cell_velocity": around.velocity,
-            "cell_pressure": around.pressure,
-        },
-        QUANTITIES,
+        pressure_reference=parameters["fiber.pressure_reference"],
     )
 
 
@@ -192,45 +128,20 @@ def stored_model(cell: xr.Dataset) -> FiberModel:
     What a model has worked out, such as its support function, then serves all cases of a sweep
     that share the cell.
     """
-    name, aspect_ratio = str(cell["fiber_model"].item()), float(cell["aspect_ratio"])
-    if name != "confined-ellipse":
-        third = cell.get("thickness_ratio", aspect_ratio)
-        return _unbounded_model(cast("ModelName", name), aspect_ratio, float(third))
-    surface, basis = (cell[name].to_numpy() for name in ("surface_angle", "surface_basis"))
-    factor = float(cell["shape_factor"])
-    return _confined_model(aspect_ratio, factor, surface.tobytes(), basis.tobytes())
+    name = str(cell["fiber_model"].item())
+    stored = {key: cell[key].to_numpy() for key in SHAPES[name].stored}
+    return _restored(
+        name, tuple((key, array.shape, array.tobytes()) for key, array in stored.items())
+    )
 
 
 @lru_cache(maxsize=MODELS_KEPT)
-def _unbounded_model(name: ModelName, aspect_ratio: float, thickness: float) -> FiberModel:
-    """Return the model of a fiber without a cell; only an ellipsoid has a thickness of its own."""
-    from fibermelt.fiber.ellipsoid import Ellipsoid  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.models import unbounded_model  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
-    if name == "ellipsoid":
-        return unbounded_model(name, Ellipsoid((1.0, 1.0 / aspect_ratio, 1.0 / thickness)))
-    return unbounded_model(name, Ellipse(1.0, aspect_ratio))
-
-
-@lru_cache(maxsize=MODELS_KEPT)
-def _confined_model(
-    aspect_ratio: float, shape_factor: float, surface: bytes, basis: bytes
-) -> FiberModel:
-    """Return the model of a fiber from the numbers of its cell."""
+def _restored(name: str, stored: tuple[tuple[str, tuple[int, ...], bytes], ...]) -> FiberModel:
+    """Return the model of a fiber from its stored variables."""
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    from fibermelt.fiber.models import confined_model  # noqa: PLC0415
-    from fibermelt.fiber.response import FiberResponse  # noqa: PLC0415
-
-    angles = np.frombuffer(surface)
-    return confined_model(
-        FiberResponse(
-            aspect_ratio=aspect_ratio,
-            shape_factor=shape_factor,
-            surface=angles,
-            basis=np.frombuffer(basis).reshape(len(angles), -1),
-        )
+    return SHAPES[name].restored(
+        {key: np.frombuffer(data).reshape(shape) for key, shape, data in stored}
     )
 
 
@@ -272,11 +183,11 @@ def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
 def _refuse_in_plane(parameters: Parameters) -> None:
     """Refuse fibers that are known in a plane only, where the flow is in space."""
     model, directions = parameters["fiber.model"], parameters["fiber.directions"]
-    if model in ("spheroid", "ellipsoid") and directions == "equal-area":
+    if SHAPES[model].in_space and directions == "equal-area":
         return
     msg = (
         f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
-        'and this fiber is known in a plane: say fiber.model = "spheroid" or "ellipsoid" and '
+        f"and this fiber is known in a plane: say fiber.model = {choices('in_space')} and "
         'fiber.directions = "equal-area"'
     )
     raise ConfigError(msg)
@@ -298,19 +209,32 @@ def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -
 
 
 def motion_estimates(parameters: Parameters, motion: xr.Dataset) -> tuple[Estimate, ...]:
-    """Return the error of the extremes with its bound, the median over all of them.
+    """Return the errors of extremes and of their quantiles, each with its bound.
 
-    In parts of the largest pressure that any orientation meets on the path.
+    The median over all of them, in parts of the largest pressure that any orientation meets on the
+    path.
     """
     import numpy as np  # noqa: PLC0415  lazy: see the module
 
-    error = motion["extreme_error"].transpose("streamline", ...).to_numpy()
-    bounds = motion["extreme_bounds"].transpose("streamline", ...).to_numpy()
-    largest = np.abs(bounds).reshape(len(bounds), -1).max(axis=1)
-    share = np.median(error.reshape(len(error), -1), axis=1) / np.where(largest > 0, largest, 1.0)
-    cure = "take more streamlines.points, or a flow on a finer mesh"
-    name = "extreme_error over the largest extreme"
-    return (Estimate(name, float(np.median(share)), EXTREME_BOUND, cure),)
+    def rows(name: str) -> Any:
+        values = np.abs(motion[name].transpose("streamline", ...).to_numpy())
+        return values.reshape(len(values), -1)
+
+    largest = rows("extreme_bounds").max(axis=1)
+    largest = np.where(largest > 0, largest, 1.0)
+    cures = {
+        "extreme_error": "take more streamlines.points, or a flow on a finer mesh",
+        "extreme_quantiles_error": "take more numerics.isotropic_angles",
+    }
+    return tuple(
+        Estimate(
+            f"{name} over the largest extreme",
+            float(np.median(np.median(rows(name), axis=1) / largest)),
+            EXTREME_BOUND,
+            cure,
+        )
+        for name, cure in cures.items()
+    )
 
 
 def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
@@ -331,7 +255,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         lines[name].to_numpy() if name in lines else None for name in ("middle_time", "zone_time")
     )
     if parameters["fiber.path"] == "newton":
-        chosen = thinning_numerics if "response" in inputs else _numerics
+        chosen = thinning_numerics if "response" in inputs else cell_numerics
         size, numerics = domain_size(parameters, inputs), chosen(parameters)
         followed = followed_by_newton(
             parameters, path, model, size, numerics, middle, zone_time, say
@@ -343,8 +267,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     if path.planar:
         followed.pop("extreme_z")
     bounds = model.bounds(path, viscosity)
-    if model.has_directions:
-        say(f"{count} directions of an isotropic start")
+    say(f"{count} fibers of an isotropic start")
     if "gradient_error" in lines:
         at = followed["extreme_time"]
         followed["extreme_error"] += _by_gradient(lines, path, bounds.lowest, at)
@@ -363,6 +286,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "quantile_highest": isotropic.highest,
             "extreme_bounds": extreme_bounds(path, bounds, middle),
             "extreme_quantiles": isotropic.extremes,
+            "extreme_quantiles_error": isotropic.extremes_error,
         },
         QUANTITIES,
     )

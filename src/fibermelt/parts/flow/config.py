@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Literal, Self
 
 from pydantic import model_validator
 
-from fibermelt.engine.parameters import Section, quantity, setting
+from fibermelt.engine.parameters import Section, declared_by, setting
+from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
 from fibermelt.parts.sources import INFERRED, PAPER_21
 
 __all__ = ["FLOW_NUMERICS", "Flow", "Numerics", "Streamlines"]
 
-FLOW_NUMERICS = {
-    "numerics.flow_order": "order",
-    "numerics.lip_edge": "lip_edge",
-    "numerics.contact_edge": "contact_edge",
-    "numerics.corner_edge": "corner_edge",
-    "numerics.surface_edge": "surface_edge",
-    "numerics.bulk_edge": "bulk_edge",
-    "numerics.edge_growth": "growth",
-    "numerics.flow_tolerance": "tolerance",
-    "numerics.contact_guess": "contact_guess",
-}
-"""Names that the flow's numerics have in a study, and in `fibermelt.flow`."""
+FLOW_NUMERICS = tuple(f"numerics.{one.name}" for one in fields(FlowNumerics))
+"""What the flow reads of ``[numerics]``."""
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
@@ -40,47 +32,57 @@ class Flow(Section):
         "field is read ([field], [paths]); or paths are (paths.file).",
     )
 
-    inlet_width: float = quantity(
-        "12.7 mm", "m", "Width of the nozzle's inlet.", gt=0, le=1, source=INFERRED
+    inlet_width: float = declared_by(
+        Nozzle, "inlet_width", "Width of the nozzle's inlet.", "mm", le=1, source=INFERRED
     )
-    inlet_length: float = quantity(
-        "5 mm", "m", "Length of the straight channel above the taper.", gt=0, le=1, source=INFERRED
+    inlet_length: float = declared_by(
+        Nozzle,
+        "inlet_length",
+        "Length of the straight channel above the taper.",
+        "mm",
+        le=1,
+        source=INFERRED,
     )
-    taper_length: float = quantity(
-        "8 mm",
-        "m",
+    taper_length: float = declared_by(
+        Nozzle,
+        "taper_length",
         "Length over which the nozzle narrows to the capillary.",
-        gt=0,
+        "mm",
         le=1,
         source=INFERRED,
     )
-    capillary_width: float = quantity(
-        "3.175 mm",
-        "m",
+    capillary_width: float = declared_by(
+        Nozzle,
+        "capillary_width",
         "Width of the capillary, the nozzle's outlet.",
-        gt=0,
+        "mm",
         le=1,
         source=INFERRED,
     )
-    capillary_length: float = quantity(
-        "6 mm", "m", "Length of the capillary.", gt=0, le=1, source=INFERRED
+    capillary_length: float = declared_by(
+        Nozzle, "capillary_length", "Length of the capillary.", "mm", le=1, source=INFERRED
     )
-    gap: float = quantity(
-        "3 mm", "m", "Distance from the nozzle's lips to the bed.", gt=0, le=1, source=INFERRED
+    gap: float = declared_by(
+        Nozzle, "gap", "Distance from the nozzle's lips to the bed.", "mm", le=1, source=INFERRED
     )
-    outlet: float = quantity(
-        "20 mm",
-        "m",
+    outlet: float = declared_by(
+        Nozzle,
+        "outlet",
         "Where the bead is cut off, downstream of the nozzle's axis (x of the outlet).",
-        gt=0,
+        "mm",
         le=1,
         source="far enough that the answer does not feel it",
     )
-    inlet_speed: float = quantity(
-        "24 mm/s", "m/s", "Mean speed of the melt at the inlet.", gt=0, le=100, source=PAPER_21
+    inlet_speed: float = declared_by(
+        Deposition,
+        "inlet_speed",
+        "Mean speed of the melt at the inlet.",
+        "mm/s",
+        le=100,
+        source=PAPER_21,
     )
-    bed_speed: float = quantity(
-        "101.6 mm/s", "m/s", "Speed of the bed, towards +x.", gt=0, le=100, source=PAPER_21
+    bed_speed: float = declared_by(
+        Deposition, "bed_speed", "Speed of the bed, towards +x.", "mm/s", le=100, source=PAPER_21
     )
 
     @property
@@ -151,39 +153,38 @@ class Streamlines(Section):
     )
 
 
-def _edge(default: float, doc: str) -> float:
+def _edge(name: str, doc: str) -> float:
     """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
-    edge: float = quantity(default, "", f"{doc}, over the capillary's width.", ge=1e-6, le=0.5)
+    edge: float = declared_by(FlowNumerics, name, f"{doc}, over the capillary's width.")
     return edge
 
 
 class Numerics(Section):
     """Orders, edge lengths and tolerances: what changes the cost and the error, not the problem."""
 
-    flow_order: int = setting(
-        3,
+    flow_order: int = declared_by(
+        FlowNumerics,
+        "flow_order",
         "Velocity order of the flow; the pressure has one less. 2 is coarser, 4 finer and slower.",
-        ge=2,
-        le=6,
     )
-    lip_edge: float = _edge(5e-4, "Mesh edge at the lips")
-    contact_edge: float = _edge(1e-3, "Mesh edge at the upstream contact point")
-    corner_edge: float = _edge(1e-2, "Mesh edge at the capillary's entrance")
-    surface_edge: float = _edge(0.07, "Largest mesh edge on a free surface")
-    bulk_edge: float = _edge(0.1, "Largest mesh edge in the bead")
-    edge_growth: float = quantity(
-        0.3, "", "How fast edges grow away from lips and contact, per distance.", ge=0.05, le=1
+    lip_edge: float = _edge("lip_edge", "Mesh edge at the lips")
+    contact_edge: float = _edge("contact_edge", "Mesh edge at the upstream contact point")
+    corner_edge: float = _edge("corner_edge", "Mesh edge at the capillary's entrance")
+    surface_edge: float = _edge("surface_edge", "Largest mesh edge on a free surface")
+    bulk_edge: float = _edge("bulk_edge", "Largest mesh edge in the bead")
+    edge_growth: float = declared_by(
+        FlowNumerics,
+        "edge_growth",
+        "How fast edges grow away from lips and contact, per distance.",
     )
-    flow_tolerance: float = quantity(
-        1e-7,
-        "",
+    flow_tolerance: float = declared_by(
+        FlowNumerics,
+        "flow_tolerance",
         "Newton stops when no mesh node moves further than this over the capillary's width.",
-        ge=1e-12,
-        le=1e-3,
     )
-    contact_guess: float | None = quantity(
-        None,
-        "m",
+    contact_guess: float | None = declared_by(
+        FlowNumerics,
+        "contact_guess",
         "First guess of the contact point's x; the answer does not depend on it.",
         example="1 mm",
     )

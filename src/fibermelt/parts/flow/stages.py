@@ -124,7 +124,9 @@ def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowS
     from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  lazy: see the module
     from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
 
-    numerics = FlowNumerics(**{name: parameters[key] for key, name in FLOW_NUMERICS.items()})
+    numerics = FlowNumerics(
+        **{key.removeprefix("numerics."): parameters[key] for key in FLOW_NUMERICS}
+    )
     return solve_deposition(_problem(parameters), numerics, progress=say, start=start)
 
 

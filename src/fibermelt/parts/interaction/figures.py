@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from fibermelt.parts.interaction.words import interaction_words, sizes_words
-from fibermelt.report.kit.plates import Plate
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
+    COLUMN,
     FULL,
     GREEN,
     GREY,
@@ -23,22 +22,22 @@ from fibermelt.report.kit.style import (
     ORANGE,
     PINK,
     VERMILION,
+    Words,
     add_axes,
     letter,
     new_figure,
-    styled,
+    shades,
 )
-from fibermelt.report.kit.turns import COLUMN, DARKEST, LIGHTEST, SHADES
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["INTERACTION_FIGURES", "figure_interaction", "figure_sizes"]
-
-ANGLES = "interaction_angle"
-"""A variable that only the stage has whose figures these are."""
+__all__ = ["figure_interaction", "figure_sizes"]
 
 DEGREES = 180.0 / np.pi
+
+PAPER_RATIO = 6.0
+"""Aspect ratio of the paper's polynomials."""
 
 LOOKS: dict[str, dict[str, Any]] = {
     "ORE": {"color": VERMILION},
@@ -77,7 +76,50 @@ ROWS, HEIGHT = (73.0, 10.0), 47.0
 """Lower sides of the panels and their height [mm]."""
 
 
-@styled
+def interaction_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    largest = float(results["largest_stalling_domain"])
+    closure = str(results["interaction_closure"].item())
+    sizes = results["stalling_domain_size"].to_numpy()
+    last = np.degrees(results["stalling_angle"].to_numpy()[:, -1])
+    apart = " and ".join(
+        f"{_angle(value)} in the {name} convention"
+        for name, value in _by_convention(results, "interaction_angle_difference")
+    )
+    interaction = results["interaction"].to_numpy()
+    first, end = float(interaction[0]), float(interaction[-1])
+    return Words(
+        caption=(
+            f"{_fibers(results)} (a) Angle and (b) spin of a fiber that starts across a simple "
+            "shear of 1/s, in cells in which it stalls. (c) Stall angle against the size of the "
+            f"cell, from {int(np.isfinite(results['stall_domain_size']).sum())} cells and the "
+            f"unbounded melt; in cells above M = {largest:.4f} it tumbles. The paper's Eq. 32 "
+            f"differs by up to {_angle(float(results['stall_curve_difference']))}, from M = 3 on. "
+            "(d) Preferred angle of a suspension in simple shear: closures of the fourth moment "
+            f"({closure}, wide, is the study's) and the distribution itself, with the rate of "
+            "deformation of the standard convention; dash-dotted with the paper's, which is "
+            f"sqrt(2) times as large. The paper's Eq. 33 differs from {closure} by up to "
+            f"{apart}.{_missing(results)}"
+        ),
+        alt=(
+            "Four panels. Fibers fall from across the flow and come to rest, the later the larger "
+            f"the cell: after {float(results['stalling_time'][-1]):g} s at {last[0]:.1f}° to the "
+            f"flow in a cell of M = {sizes[0]:.2f} and {last[-1]:.1f}° at {sizes[-1]:.2f}. The "
+            "stall angle falls with the size of the cell, ever more steeply, to none at "
+            f"{largest:.2f}. The preferred angle grows with the interaction coefficient, "
+            f"{_grows(results, closure, first, end)}."
+        ),
+    )
+
+
+@plate(
+    "interaction",
+    "Where fibers stall and how suspensions lie",
+    section="content",
+    words=interaction_words,
+    needs="interaction_angle",
+    paper="Fig. 14",
+)
 def figure_interaction(results: xr.Dataset) -> Figure:
     """Draw how fibers come to rest, where, and how fibers lie in a suspension (Fig. 14a-d)."""
     figure = new_figure(FULL, 127)
@@ -94,24 +136,63 @@ def figure_interaction(results: xr.Dataset) -> Figure:
     return figure
 
 
+def _fibers(results: xr.Dataset) -> str:
+    """Return whose curves these are, and that the paper's are of others if they are."""
+    ratio = float(results["stall_aspect_ratio"])
+    if ratio == PAPER_RATIO:
+        return f"Fibers of aspect ratio {ratio:g}."
+    return (
+        f"Fibers of aspect ratio {ratio:g}; the paper's polynomials are of {PAPER_RATIO:g}, and "
+        "differ for that alone."
+    )
+
+
+def _angle(radians: float) -> str:
+    """Return an angle in both units, or that there is none."""
+    if np.isnan(radians):
+        return "nowhere to compare with"
+    return f"{radians:.4f} rad ({np.degrees(radians):.2f}°)"
+
+
+def _by_convention(results: xr.Dataset, name: str) -> list[tuple[str, float]]:
+    values = results[name].to_numpy()
+    return [(str(c), float(v)) for c, v in zip(results["convention"].values, values, strict=True)]
+
+
+def _missing(results: xr.Dataset) -> str:
+    """Return which curves have gaps, if any."""
+    angle = results["interaction_angle"].sel(convention="standard")
+    gaps = [str(c) for c in results["closure"].values if np.isnan(angle.sel(closure=c)).any()]
+    return f" Not everywhere with a steady state: {', '.join(gaps)}." if gaps else ""
+
+
+def _grows(results: xr.Dataset, closure: str, first: float, end: float) -> str:
+    """Return from where to where the preferred angle grows."""
+    known = [str(name) for name in results["closure"].values]
+    shown = closure if closure in known else known[-1]
+    angle = results["interaction_angle"].sel(convention="standard", closure=shown).to_numpy()
+    here = np.degrees(angle[np.isfinite(angle)])
+    if here.size == 0:
+        return f"but for {shown}, which has no steady state"
+    return (
+        f"between C_I of {first:.3f} and {end:.3f} from {here[0]:.1f}° to {here[-1]:.1f}° with "
+        f"{'the distribution' if shown == 'exact-pdf' else shown}"
+    )
+
+
 def _grid(axes: Axes) -> None:
     axes.grid(axis="y", color=BAND, linewidth=0.4)
-
-
-def _shades(count: int) -> list[str]:
-    shades = mpl.colormaps[SHADES](np.linspace(DARKEST, LIGHTEST, count))
-    return [mpl.colors.to_hex(shade) for shade in shades]
 
 
 def _rests(results: xr.Dataset, upper: Axes, lower: Axes) -> None:
     """Draw angle and spin of fibers that come to rest, from across the flow."""
     time = results["stalling_time"].to_numpy()
-    shades = _shades(results.sizes["stalling_size"])
+    colors = shades(results.sizes["stalling_size"])
     for axes, name, scale in (
         (upper, "stalling_angle", DEGREES),
         (lower, "stalling_spin", 1.0),
     ):
-        for row, color in zip(results[name].to_numpy(), shades, strict=True):
+        for row, color in zip(results[name].to_numpy(), colors, strict=True):
             axes.plot(time, scale * row, color=color, linewidth=1.2)
         axes.set_xlim(0.0, float(time[-1]))
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * float(time[-1])))
@@ -129,7 +210,7 @@ def _sizes_key(results: xr.Dataset) -> list[Line2D]:
     sizes = results["stalling_domain_size"].to_numpy()
     return [
         Line2D([], [], color=color, linewidth=1.2, label=f"M = {size:.2f}")
-        for size, color in zip(sizes, _shades(len(sizes)), strict=True)
+        for size, color in zip(sizes, shades(len(sizes)), strict=True)
     ]
 
 
@@ -196,14 +277,14 @@ def _stretch(results: xr.Dataset, closure: str) -> dict[str, Any]:
 def _preferred(results: xr.Dataset, axes: Axes) -> None:
     """Draw preferred angles against the interaction coefficient, and Eq. 33."""
     interaction = results["interaction"].to_numpy()
-    angle = results[ANGLES] * DEGREES
+    angle = results["interaction_angle"] * DEGREES
     for closure in map(str, results["closure"].to_numpy()):
         found = angle.sel(convention="standard", closure=closure).to_numpy()
         axes.plot(interaction, found, **_look(results, closure))
     for closure in _stretched(results):
         found = angle.sel(convention="paper", closure=closure).to_numpy()
         axes.plot(interaction, found, **_stretch(results, closure))
-    axes.plot(interaction, np.degrees(results[f"{ANGLES}_paper"].to_numpy()), **PAPER)
+    axes.plot(interaction, np.degrees(results["interaction_angle_paper"].to_numpy()), **PAPER)
     axes.set_xlim(0.0, float(interaction[-1]))
     axes.set_ylim(0.0, 1.05 * float(np.nanmax(angle.to_numpy())))
     axes.set_xlabel("interaction coefficient $C_I$")
@@ -226,7 +307,46 @@ def _closures_key(results: xr.Dataset) -> list[Line2D]:
     return [*lines, Line2D([], [], label="paper's Eq. 33", **PAPER)]
 
 
-@styled
+def sizes_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    closure = str(results["interaction_closure"].item())
+    own, size = float(results["interaction_coefficient"]), float(results["content_domain_size"])
+    apart = " and ".join(
+        f"{'not to be compared' if np.isnan(value) else f'{value:.3f}'} in the {name} convention"
+        for name, value in _by_convention(results, "interaction_domain_size_difference")
+    )
+    ends = []
+    for convention in map(str, results["convention"].values):
+        curve = results["interaction_domain_size"].sel(convention=convention).to_numpy()
+        here = curve[np.isfinite(curve)]
+        told = f"from {here[0]:.2f} to {here[-1]:.2f}" if here.size else "nowhere: no cell stalls"
+        ends.append(f"{told} in the {convention} convention")
+    return Words(
+        caption=(
+            f"{_fibers(results)} Size of the cell in which a fiber stalls at the preferred angle "
+            f"of its suspension, by the closure {closure}, in both conventions of the rate of "
+            "deformation that multiplies the interaction coefficient; a line ends where no cell "
+            "stalls the fiber at the angle. Diamond: this study's content, "
+            f"C_I = {own:.4f}, M = {size:.3f} ({results['content_regime'].item()}). Largest "
+            f"difference from the paper's Eq. 34: {apart}."
+        ),
+        alt=(
+            "Two curves that fall with the interaction coefficient, and the paper's beside them. "
+            f"Over C_I of {float(results['interaction'][0]):.3f} to "
+            f"{float(results['interaction'][-1]):.3f} the domain size falls {', '.join(ends)}. "
+            f"The study's content is at C_I = {own:.4f}, M = {size:.2f}."
+        ),
+    )
+
+
+@plate(
+    "interaction-domain-size",
+    "The cell that stands for interaction",
+    section="content",
+    words=sizes_words,
+    needs="interaction_angle",
+    paper="Fig. 15",
+)
 def figure_sizes(results: xr.Dataset) -> Figure:
     """Draw the size of the cell against the interaction coefficient, and Eq. 34 (Fig. 15)."""
     figure = new_figure(COLUMN, 72)
@@ -263,24 +383,3 @@ def figure_sizes(results: xr.Dataset) -> Figure:
         loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2, columnspacing=1.4, handlelength=2.2
     )
     return figure
-
-
-INTERACTION_FIGURES = (
-    Plate(
-        "interaction",
-        "Where fibers stall and how suspensions lie",
-        figure_interaction,
-        interaction_words,
-        ANGLES,
-        paper="Fig. 14",
-    ),
-    Plate(
-        "interaction-domain-size",
-        "The cell that stands for interaction",
-        figure_sizes,
-        sizes_words,
-        ANGLES,
-        paper="Fig. 15",
-    ),
-)
-"""What is drawn of the stage "interaction": Fig. 14 and 15."""

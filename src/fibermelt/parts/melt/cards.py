@@ -24,8 +24,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from fibermelt.declared import BOUNDS
 from fibermelt.engine.parameters import (
-    BOUNDS,
     Declaration,
     declarations,
     excerpt,
@@ -37,13 +37,11 @@ from fibermelt.parts.melt.values import (
     CardValues,
     DiffusionValues,
     IsothermValues,
-    SolutionValues,
     SurfaceValues,
     ViscosityValues,
 )
 from fibermelt.units import celsius_meant
 from fibermelt.voids.diffusion import Arrhenius
-from fibermelt.voids.han import HanConstants
 from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.surface_tension import LinearTension
 from fibermelt.voids.vapor import ActivityLaw, Isotherm
@@ -297,7 +295,6 @@ def _melt(name: str, card: CardValues) -> VolatileMelt:
             ("diffusion", card.diffusion),
             ("surface", card.surface),
             ("contact_angle", card.wetting),
-            ("solution", card.solution),
         )
         if (gaps := _holes(section, law))
     }
@@ -310,7 +307,6 @@ def _melt(name: str, card: CardValues) -> VolatileMelt:
         diffusion=_diffusion(card.diffusion, span),
         surface=_surface(card.surface, span),
         contact_angle=card.wetting.contact_angle,
-        solution=_solution(card.solution),
         missing=missing,
     )
 
@@ -338,10 +334,3 @@ def _surface(values: SurfaceValues, span: tuple[float, float]) -> LinearTension 
     if tension is None or reference is None or values.slope is None:
         return None
     return LinearTension(tension, reference, values.slope, span)
-
-
-def _solution(values: SolutionValues) -> HanConstants | None:
-    prefactor, temperature = values.prefactor, values.prefactor_temperature
-    if prefactor is None or temperature is None or values.interaction is None:
-        return None
-    return HanConstants(prefactor, temperature, values.interaction)

@@ -11,6 +11,7 @@ from fibermelt.engine.results import table_of
 from fibermelt.parts.bead.summary import melt_met
 from fibermelt.parts.melt.config import Melt as MeltTable
 from fibermelt.parts.melt.melt import melt_of
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BLUE,
     FULL,
@@ -21,7 +22,6 @@ from fibermelt.report.kit.style import (
     add_axes,
     letter,
     new_figure,
-    styled,
 )
 from fibermelt.report.kit.tables import number
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from fibermelt.melt.melt import Melt
 
-__all__ = ["figure_melt", "melt_words"]
+__all__ = ["figure_melt"]
 
 PER_DECADE = 8
 """Bars of a decade of rates."""
@@ -57,35 +57,8 @@ def _shares(results: xr.Dataset) -> tuple[Array, Array]:
     return edges, PERCENT * share / len(time)
 
 
-@styled
-def figure_melt(results: xr.Dataset) -> Figure:
-    """Draw the viscosity's law, the rates at which it was measured, and those of this flow."""
-    edges, share = _shares(results)
-    figure = new_figure(FULL, 92)
-    curve = add_axes(figure, 20, 46, 160, 40)
-    bars = add_axes(figure, 20, 11, 160, 27)
-    rate, viscosity = results["law_rate"].to_numpy(), results["law_viscosity"].to_numpy()
-    shown = (rate >= edges[0] * (1 - 1e-9)) & (rate <= edges[-1] * (1 + 1e-9))
-    curve.loglog(rate[shown], viscosity[shown], color=INK, linewidth=1.4)
-    bars.stairs(share, edges, fill=True, color=BLUE, alpha=0.7)
-    bars.set_xscale("log")
-    known = _melt(results).rates
-    for axes in (curve, bars):
-        axes.set_xlim(edges[0], edges[-1])
-        if known is not None:
-            axes.axvspan(*known, color=GREY, alpha=0.2, linewidth=0, zorder=0)
-    curve.set_ylabel("viscosity [Pa s]")
-    curve.tick_params(labelbottom=False)
-    bars.set_ylabel("share of its time [%]")
-    bars.set_xlabel("rate of deformation [1/s]")
-    measured = "; grey: the rates that were measured" if known is not None else ""
-    letter(curve, f"a  the law of the melt{measured}")
-    letter(bars, "b  rates that the melt meets here")
-    return figure
-
-
 def melt_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_melt`."""
+    """Return caption and alternative text."""
     melt, met = _melt(results), melt_met(results)
     lowest, highest = (number(met[name], 3) for name in ("lowest_viscosity", "highest_rate"))
     if melt.rates is None:
@@ -110,3 +83,30 @@ def melt_words(results: xr.Dataset) -> Words:
             f"the rates that the melt meets, up to {highest} 1/s, where it has {lowest} Pa s."
         ),
     )
+
+
+@plate("melt", "The melt", section="flow", words=melt_words, needs="law_rate", place=1)
+def figure_melt(results: xr.Dataset) -> Figure:
+    """Draw the viscosity's law, the rates at which it was measured, and those of this flow."""
+    edges, share = _shares(results)
+    figure = new_figure(FULL, 92)
+    curve = add_axes(figure, 20, 46, 160, 40)
+    bars = add_axes(figure, 20, 11, 160, 27)
+    rate, viscosity = results["law_rate"].to_numpy(), results["law_viscosity"].to_numpy()
+    shown = (rate >= edges[0] * (1 - 1e-9)) & (rate <= edges[-1] * (1 + 1e-9))
+    curve.loglog(rate[shown], viscosity[shown], color=INK, linewidth=1.4)
+    bars.stairs(share, edges, fill=True, color=BLUE, alpha=0.7)
+    bars.set_xscale("log")
+    known = _melt(results).rates
+    for axes in (curve, bars):
+        axes.set_xlim(edges[0], edges[-1])
+        if known is not None:
+            axes.axvspan(*known, color=GREY, alpha=0.2, linewidth=0, zorder=0)
+    curve.set_ylabel("viscosity [Pa s]")
+    curve.tick_params(labelbottom=False)
+    bars.set_ylabel("share of its time [%]")
+    bars.set_xlabel("rate of deformation [1/s]")
+    measured = "; grey: the rates that were measured" if known is not None else ""
+    letter(curve, f"a  the law of the melt{measured}")
+    letter(bars, "b  rates that the melt meets here")
+    return figure

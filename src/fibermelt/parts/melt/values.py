@@ -18,7 +18,6 @@ __all__ = [
     "IsothermValues",
     "LawName",
     "MeltValues",
-    "SolutionValues",
     "SurfaceValues",
     "ViscosityValues",
     "WettingValues",
@@ -251,18 +250,6 @@ class WettingValues(Section):
     )
 
 
-class SolutionValues(Section):
-    """Nucleation in the polymer solution, after Han and Han."""
-
-    prefactor: float | None = quantity(None, "", "B_1.", gt=0, le=1e30, example="1.0")
-    prefactor_temperature: float | None = quantity(
-        None, "K", "B_2.", ge=-1e6, le=1e6, example="1000 K"
-    )
-    interaction: float | None = quantity(
-        None, "", "Flory and Huggins' chi.", ge=-10, le=20, example="4.3"
-    )
-
-
 class CardValues(Section):
     """Every value of a card, in SI."""
 
@@ -273,4 +260,3 @@ class CardValues(Section):
     diffusion: DiffusionValues = Field(default_factory=DiffusionValues)
     surface: SurfaceValues = Field(default_factory=SurfaceValues)
     wetting: WettingValues = Field(default_factory=WettingValues)
-    solution: SolutionValues = Field(default_factory=SolutionValues)

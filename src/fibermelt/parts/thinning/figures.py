@@ -1,18 +1,17 @@
-"""What thinning does to a bead and its fibers: a figure and a table over the power law's index."""
+"""What thinning does to a bead and its fibers, over the index of the power law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from fibermelt.parts.thinning.summary import summarize_thinning
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     BLUE,
@@ -25,17 +24,16 @@ from fibermelt.report.kit.style import (
     add_axes,
     letter,
     new_figure,
-    styled,
 )
-from fibermelt.report.kit.tables import Column, fixed, measured, number, short, table
+from fibermelt.report.kit.tables import fixed
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_thinning", "thinning", "thinning_words"]
+__all__ = ["CAUSES", "MODELS", "figure_thinning", "megapascals", "models_of"]
 
-MM, MPA = 1e3, 1e-6
-"""From metres and pascals."""
+MPA = 1e-6
+"""Megapascals in a pascal."""
 
 ROOM = 1.1
 """Upper end of a scale over the largest value, for its mark."""
@@ -54,7 +52,8 @@ MODELS: dict[str, tuple[str, Any, str]] = {
 """The models: words, dashes and marks."""
 
 
-def _models(laws: list[dict[str, Any]]) -> list[str]:
+def models_of(laws: list[dict[str, Any]]) -> list[str]:
+    """Return the models of a fiber that were followed."""
     return [model for model in MODELS if model in laws[0]]
 
 
@@ -62,7 +61,43 @@ def _at(values: list[float | None]) -> list[float]:
     return [math.nan if value is None else value for value in values]
 
 
-@styled
+def thinning_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    laws = summarize_thinning(results)["thinning"]
+    first, last = laws[0], laws[-1]
+    used = int(results["effect_regular"].sum())
+    told = "; ".join(
+        f"{MODELS[model][0]} {megapascals(first[model]['both']['lowest'])} to "
+        f"{megapascals(last[model]['both']['lowest'])} MPa"
+        for model in models_of(laws)
+    )
+    return Words(
+        caption=(
+            "Power laws that have the same viscosity at one rate, index 1 the Newtonian melt. (a) "
+            "Lowest pressure on a fiber below the middle of the capillary, absolute, mean over the "
+            f"initial angles and over {used} of {results.sizes['streamline']} streamlines, those "
+            "that pass no singular corner in any of the flows: where the flow thins and the fiber "
+            "is one in a Newtonian melt of the local viscosity, where the flow is the Newtonian "
+            "one and the fiber's own melt thins, and where both do. (b) Largest pressure on a "
+            "fiber over a turn in simple shear, over viscosity and rate. (c) Pressure at the inlet."
+        ),
+        alt=(
+            "Three panels over the index of a power law, from 1 to "
+            f"{last['index']:g}. Lowest pressures on fibers, absolute, as the melt thins: {told}. "
+            "The pressure in simple shear falls, that at the inlet goes from "
+            f"{megapascals(first['inlet_pressure'])} to {megapascals(last['inlet_pressure'])} MPa."
+        ).replace("-", "−"),
+    )
+
+
+@plate(
+    "thinning",
+    "What thinning does",
+    section="thinning",
+    words=thinning_words,
+    needs="effect_index",
+    place=1,
+)
 def figure_thinning(results: xr.Dataset) -> Figure:
     """Draw pressures on fibers below the nozzle and in simple shear, and the inlet's, by index."""
     laws = summarize_thinning(results)["thinning"]
@@ -76,7 +111,7 @@ def figure_thinning(results: xr.Dataset) -> Figure:
     letter(local, "a  lowest on a fiber below the nozzle, mean")
     letter(peak, "b  largest pressure in simple shear over ηγ̇")
     letter(flow, "c  pressure at the inlet")
-    models = _models(laws)
+    models = models_of(laws)
     key = [Line2D([], [], color=color, label=f"thins: {name}") for name, color in CAUSES.values()]
     key += [
         Line2D([], [], color=INK, linestyle=dashes, marker=mark, markersize=3.5, label=name)
@@ -98,7 +133,7 @@ def _axis(axes: Axes, laws: list[dict[str, Any]]) -> list[float]:
 
 def _local(axes: Axes, laws: list[dict[str, Any]]) -> None:
     index = _axis(axes, laws)
-    for model in _models(laws):
+    for model in models_of(laws):
         _, dashes, mark = MODELS[model]
         for cause, (_, color) in CAUSES.items():
             lowest = MPA * np.array(_at([law[model][cause]["lowest"] for law in laws]))
@@ -110,11 +145,11 @@ def _local(axes: Axes, laws: list[dict[str, Any]]) -> None:
 
 def _peak(axes: Axes, laws: list[dict[str, Any]]) -> None:
     index = _axis(axes, laws)
-    for model in _models(laws):
+    for model in models_of(laws):
         _, dashes, mark = MODELS[model]
         peak = [law[model]["peak"] for law in laws]
         axes.plot(index, peak, color=INK, linestyle=dashes, marker=mark, markersize=3.5)
-    axes.set_ylim(0.0, ROOM * max(law[model]["peak"] for model in _models(laws) for law in laws))
+    axes.set_ylim(0.0, ROOM * max(law[model]["peak"] for model in models_of(laws) for law in laws))
     axes.tick_params(labelbottom=False)
 
 
@@ -127,86 +162,6 @@ def _flow(axes: Axes, laws: list[dict[str, Any]]) -> None:
     axes.set_xlabel("index of the power law")
 
 
-def thinning_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_thinning`."""
-    laws = summarize_thinning(results)["thinning"]
-    first, last = laws[0], laws[-1]
-    used = int(results["effect_regular"].sum())
-    told = "; ".join(
-        f"{MODELS[model][0]} {_mpa(first[model]['both']['lowest'])} to "
-        f"{_mpa(last[model]['both']['lowest'])} MPa"
-        for model in _models(laws)
-    )
-    return Words(
-        caption=(
-            "Power laws that have the same viscosity at one rate, index 1 the Newtonian melt. (a) "
-            "Lowest pressure on a fiber below the middle of the capillary, absolute, mean over the "
-            f"initial angles and over {used} of {results.sizes['streamline']} streamlines, those "
-            "that pass no singular corner in any of the flows: where the flow thins and the fiber "
-            "is one in a Newtonian melt of the local viscosity, where the flow is the Newtonian "
-            "one and the fiber's own melt thins, and where both do. (b) Largest pressure on a "
-            "fiber over a turn in simple shear, over viscosity and rate. (c) Pressure at the inlet."
-        ),
-        alt=(
-            "Three panels over the index of a power law, from 1 to "
-            f"{last['index']:g}. Lowest pressures on fibers, absolute, as the melt thins: {told}. "
-            "The pressure in simple shear falls, that at the inlet goes from "
-            f"{_mpa(first['inlet_pressure'])} to {_mpa(last['inlet_pressure'])} MPa."
-        ).replace("-", "−"),
-    )
-
-
-def _mpa(value: float | None) -> str:
+def megapascals(value: float | None) -> str:
+    """Return a pressure [Pa] in megapascals; that there is none, where there is none."""
     return "none" if value is None else fixed(MPA * value, 3)
-
-
-def thinning(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
-    """Return the table of what thinning does."""
-    del results
-    laws = summary["thinning"]
-    words = Markup(
-        "<p>Printed melts thin: their viscosity falls as they are deformed faster. Here the bead "
-        "is laid with power laws that have one viscosity at one rate, so that only the index "
-        "differs. A fiber makes rates of its own around it, which thin its melt further: the "
-        "viscosity that the flow has there is not enough to tell its pressure.</p>\n"
-    )
-    columns = (
-        Column("Index"),
-        Column("Viscosity at 1 1/s", "Pa s"),
-        Column("Inlet pressure", "MPa"),
-        Column("Contact point", "mm"),
-    )
-    rows = [
-        (
-            short(law["index"]),
-            number(law["consistency"], 4),
-            fixed(MPA * law["inlet_pressure"], 3),
-            fixed(MM * law["contact_point"], 3),
-        )
-        for law in laws
-    ]
-    tables = [table("The bead with melts that thin", columns, rows)]
-    return words + Markup().join([*tables, *(_of_fibers(laws, model) for model in _models(laws))])
-
-
-def _of_fibers(laws: list[dict[str, Any]], model: str) -> Markup:
-    """Return the table of one model of a fiber."""
-    columns = (
-        Column("Index"),
-        Column("Turn × rate"),
-        Column("Peak over ηγ̇"),
-        *(Column(f"Thins: {said}", "MPa") for said, _ in CAUSES.values()),
-        Column("Any direction, both", "MPa"),
-    )
-    rows = [(short(law["index"]), *_cells(law[model])) for law in laws]
-    name = MODELS[model][0].capitalize()
-    return table(f"{name}: in simple shear, and lowest below the nozzle", columns, rows)
-
-
-def _cells(one: Mapping[str, Any]) -> list[str]:
-    return [
-        "stalls" if one["period"] is None else fixed(one["period"], 2),
-        measured(one["peak"], one["peak_error"]) if one["peak_error"] else number(one["peak"], 4),
-        *(_mpa(one[cause]["lowest"]) for cause in CAUSES),
-        _mpa(one["both"]["bound"]),
-    ]

@@ -11,17 +11,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fibermelt.parts.flow.figures.carpet import Carpet, weave
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_metal,
-    draw_outline,
-    frame,
-    main_scene,
-    mark_window,
-    paint,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, main_scene, mark_exit, paint, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -39,14 +30,13 @@ from fibermelt.report.kit.style import (
     color_bar,
     letter,
     round_up,
-    styled,
 )
 from fibermelt.report.kit.tables import number, sized
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_voids", "voids_words"]
+__all__ = ["figure_voids"]
 
 MPA = 1e-6
 """Megapascals in a pascal."""
@@ -68,7 +58,50 @@ CURVES = (
 """Bases that the profile shows if there are any, what they are called, and their colours."""
 
 
-@styled
+def voids_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    vapor = MPA * float(results["void_vapor_pressure"])
+    moisture = PERCENT * float(results["void_moisture"])
+    name = str(results["void_material_name"].item())
+    celsius = float(results["void_temperature"]) - 273.15
+    worst = _of_selected(results, "void_layer_mean_pressure", "regular", "bounds")
+    height = MM * results["void_layer"].to_numpy()
+    if np.all(np.isnan(worst)):
+        told = "Every streamline passes a singular corner: no profile is told."
+    else:
+        deepest = int(np.nanargmin(worst))
+        told = (
+            "In the worst direction the lowest pressure by layer is "
+            f"{number(MPA * worst[deepest], 3)} MPa, {sized(height[deepest], height[-1])} mm above "
+            "the bed."
+        )
+    count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
+    without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
+    thick, out = (f"; {without}with them", ", without those streamlines") if count else ("", "")
+    return Words(
+        caption=(
+            f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
+            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest local pressure on a "
+            "fiber less vapor pressure: red where a bubble can grow, a line where the two are "
+            "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
+            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
+            f"layer{out}. Pressures are absolute."
+        ),
+        alt=(
+            "Two maps of the bead and two profiles over its height. The pressure on fibers is "
+            f"lowest where the melt turns below the nozzle. {told}"
+        ),
+    )
+
+
+@plate(
+    "voids",
+    "Where voids can start",
+    section="risk",
+    words=voids_words,
+    needs="void_margin extreme node_x",
+    place=1,
+)
 def figure_voids(results: xr.Dataset) -> Figure:
     """Draw local less vapor pressure over the bead, and the profile over the bead's height."""
     scene = read_scene(results)
@@ -80,9 +113,7 @@ def figure_voids(results: xr.Dataset) -> Figure:
     for panel, window, basis in ((axes, scene.whole, "bounds"), (gap, scene.exit, MEDIAN)):
         margin = MPA * _of(results, "void_margin_along", basis)
         _map(panel, scene, window, carpet, margin, norm)
-    mark_window(axes, scene.exit)
-    frame(gap)
-    scale_bar(gap, scene.exit, height=0.85, share=0.12)
+    mark_exit(axes, gap, scene)
     letter(axes, "a  worst direction of a fiber", inside=True)
     letter(gap, "b  half of the fibers from an isotropic start see less (dashed frame)")
     bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
@@ -101,9 +132,7 @@ def _map(
     axes: Axes, scene: Scene, window: Window, carpet: Carpet | None, margin: Array, norm: Normalize
 ) -> None:
     """Paint a margin [MPa] between the streamlines, with a line where it vanishes."""
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     if carpet is None:
         return
     values = carpet.values(margin)
@@ -200,39 +229,3 @@ def _moisture(axes: Axes, results: xr.Dataset) -> None:
     axes.set_xlabel("critical moisture [%]")
     axes.tick_params(labelleft=False)
     letter(axes, "d  no void below; 0: no drying helps")
-
-
-def voids_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_voids`."""
-    vapor = MPA * float(results["void_vapor_pressure"])
-    moisture = PERCENT * float(results["void_moisture"])
-    name = str(results["void_material_name"].item())
-    celsius = float(results["void_temperature"]) - 273.15
-    worst = _of_selected(results, "void_layer_mean_pressure", "regular", "bounds")
-    height = MM * results["void_layer"].to_numpy()
-    if np.all(np.isnan(worst)):
-        told = "Every streamline passes a singular corner: no profile is told."
-    else:
-        deepest = int(np.nanargmin(worst))
-        told = (
-            "In the worst direction the lowest pressure by layer is "
-            f"{number(MPA * worst[deepest], 3)} MPa, {sized(height[deepest], height[-1])} mm above "
-            "the bed."
-        )
-    count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
-    without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
-    thick, out = (f"; {without}with them", ", without those streamlines") if count else ("", "")
-    return Words(
-        caption=(
-            f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
-            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest local pressure on a "
-            "fiber less vapor pressure: red where a bubble can grow, a line where the two are "
-            "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
-            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
-            f"layer{out}. Pressures are absolute."
-        ),
-        alt=(
-            "Two maps of the bead and two profiles over its height. The pressure on fibers is "
-            f"lowest where the melt turns below the nozzle. {told}"
-        ),
-    )

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from markupsafe import Markup
-
 from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
-from fibermelt.report.kit.tables import Column, folded, number, percent, short, sized, table
+from fibermelt.report.kit.sections import section
+from fibermelt.report.kit.tables import Column, Table, number, percent, sized
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,43 +31,32 @@ WHOSE = {
 """Whose lowest pressure, in words; what is not here is a share of isotropic fibers."""
 
 
-def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
+@section("risk", "Where it can void", place=80, needs="voids")
+def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return where the bead can void: vapor pressure, lowest pressures, profile, assumptions."""
     found = summary["voids"]
-    words = Markup(
-        "<p>{} % moisture in {} at {:.0f} °C has a vapor pressure of {} MPa; saturated, at {} %, "
-        "it would be {} MPa. A bubble can grow where the melt’s local pressure is lower. That is "
-        "necessary, and it suffices where gas is there already, in a crevice or at a fiber’s end. "
-        "All pressures of this section are absolute.</p>\n"
-    ).format(
-        short(PERCENT * found["moisture"], 3),
-        found["material"]["name"],
-        found["temperature"] - CELSIUS,
-        number(MPA * found["vapor_pressure"], 3),
-        short(PERCENT * found["saturation_moisture"], 3),
-        number(MPA * found["saturation_pressure"], 3),
-    )
-    return Markup().join(
-        [
-            words,
-            _nucleation(found, float(results["void_threshold"])),
-            Markup("<p>What to do. {}</p>\n").format(advice(found)),
-            _by_basis(found),
-            _profile(found) if found["profile"] else Markup(),
-            _lines(found),
-            _assumed(found),
-        ]
-    )
+    size = _size(found["by_basis"].values(), "lowest_pressure", "margin")
+    return {
+        "found": found,
+        "celsius": f"{found['temperature'] - CELSIUS:.0f}",
+        "MPA": MPA,
+        "nucleation": _nucleation(found, float(results["void_threshold"])),
+        "advice": advice(found),
+        "by_basis": _by_basis(found, size),
+        "with_singular": _mpa(found["including_singular"]["lowest_pressure"], size),
+        "profile": _profile(found) if found["profile"] else None,
+        "lines": _lines(found),
+    }
 
 
-def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
+def _nucleation(found: Mapping[str, Any], threshold: float) -> str:
     """Return what a bubble without any gas to start from would take.
 
     ``threshold`` is log10 of the rate that counts as its onset, as ``log10_rate`` is.
     """
     worst = worst_line(found)
     if worst is None or not worst["critical_radius"]:
-        return Markup()
+        return ""
     told = f"A new bubble there would have to reach {number(NM * worst['critical_radius'], 2)} nm."
     rate, wetting = worst["log10_rate"], worst["required_wetting"]
     starts = rate is not None and rate >= threshold
@@ -88,7 +76,7 @@ def _nucleation(found: Mapping[str, Any], threshold: float) -> Markup:
         told += (
             "." if angle is None else f": a contact angle of {math.degrees(angle):.0f}° or more."
         )
-    return Markup("<p>{}</p>\n").format(told)
+    return told
 
 
 def _mpa(value: float | None, size: float) -> str:
@@ -113,7 +101,7 @@ def _whose(basis: str) -> str:
     return WHOSE.get(basis, f"{share} of fibers from an isotropic start see less")
 
 
-def _by_basis(found: Mapping[str, Any]) -> Markup:
+def _by_basis(found: Mapping[str, Any], size: float) -> Table:
     columns = (
         Column("Whose pressure", is_text=True),
         Column("Lowest", "MPa"),
@@ -122,7 +110,6 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         Column("its mean by flux", "%"),
         Column("Share of the melt below vapor", "%"),
     )
-    size = _size(found["by_basis"].values(), "lowest_pressure", "margin")
     rows = [
         (
             _whose(basis),
@@ -134,20 +121,11 @@ def _by_basis(found: Mapping[str, Any]) -> Markup:
         )
         for basis, one in found["by_basis"].items()
     ]
-    note = Markup(
-        "<p>Without {} that pass close by a singular corner. A margin below zero: a "
-        "bubble can grow. A critical moisture of 0: the melt is under tension, and no drying "
-        "helps; none: no moisture that the polymer can hold suffices. With them the "
-        "lowest is {} MPa in any direction of a fiber.</p>\n"
-    ).format(
-        "streamlines" if found["profile"] else "paths",
-        _mpa(found["including_singular"]["lowest_pressure"], size),
-    )
     where = "in the bead" if found["profile"] else "on the paths"
-    return table(f"Lowest local pressure {where}", columns, rows) + note
+    return Table(f"Lowest local pressure {where}", columns, rows)
 
 
-def _profile(found: Mapping[str, Any]) -> Markup:
+def _profile(found: Mapping[str, Any]) -> Table:
     columns = (
         Column("Height in the bead", "mm"),
         Column("Fibers of the initial angles, mean", "MPa"),
@@ -172,10 +150,10 @@ def _profile(found: Mapping[str, Any]) -> Markup:
         )
         for layer in reversed(layers)
     ]
-    return table("From the free surface down to the bed, means by flux", columns, rows)
+    return Table("From the free surface down to the bed, means by flux", columns, rows)
 
 
-def _lines(found: Mapping[str, Any]) -> Markup:
+def _lines(found: Mapping[str, Any]) -> Table:
     lines = found["streamlines"]
     heights = ("height",) if found["profile"] else ()
     word = "streamline" if found["profile"] else "path"
@@ -209,30 +187,8 @@ def _lines(found: Mapping[str, Any]) -> Markup:
         for line in lines
     ]
     caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
-    return folded(f"{word.capitalize()} by {word}", table(caption, columns, rows))
+    return Table(caption, columns, rows)
 
 
 def _of(factor: float, value: float | None) -> float | None:
     return None if value is None else factor * value
-
-
-def _assumed(found: Mapping[str, Any]) -> Markup:
-    """Return what of the material's card is an estimate, and what it lacks."""
-    material = found["material"]
-    until = "the bead is laid" if found["profile"] else "its path ends"
-    lines = [
-        "The melt has one temperature and one viscosity everywhere.",
-        f"Moisture has no time to leave the melt before {until}.",
-        *(f"Not known: {hole}." for hole in material["missing"]),
-    ]
-    if material["estimates"]:
-        keys = Markup(", ").join(
-            Markup('<code class="key">{}</code>').format(key) for key in material["estimates"]
-        )
-        lines.append(
-            Markup("Estimates rather than measurements, of the card {}: {}.").format(
-                material["key"], keys
-            )
-        )
-    items = Markup().join(Markup("<li>{}</li>\n").format(line) for line in lines)
-    return Markup("<h3>Assumptions</h3>\n<ul>\n{}</ul>\n").format(items)

@@ -109,7 +109,10 @@ def darkened(rgb: Array) -> Array:
 def darkened_image(image: Image.Image) -> Image.Image:
     """Return an image in its dark colours, as transparent as before."""
     dots = np.asarray(image.convert("RGBA"))
-    colors, place = np.unique(dots[..., :3].reshape(-1, 3), axis=0, return_inverse=True)
+    # One number for a color: rows of three are sorted tenfold slower.
+    number = dots[..., :3].astype(np.int32) @ (1, 1 << 8, 1 << 16)
+    there, place = np.unique(number, return_inverse=True)
+    colors = np.stack([there >> shift & 255 for shift in (0, 8, 16)], axis=-1)
     dark = np.rint(255 * darkened(colors / 255.0)).astype(np.uint8)
     painted = dark[place.reshape(dots.shape[:2])]
     return Image.fromarray(np.concatenate([painted, dots[..., 3:]], axis=-1))

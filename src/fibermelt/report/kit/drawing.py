@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Room",
     "curves",
+    "draw_bead",
     "draw_bed",
     "draw_bed_motion",
     "draw_field",
@@ -32,6 +33,7 @@ __all__ = [
     "draw_outline",
     "frame",
     "main_scene",
+    "mark_exit",
     "mark_window",
     "on_paper",
     "paint",
@@ -294,6 +296,20 @@ def draw_outline(axes: Axes, scene: Scene, *, fill: bool = False) -> None:
         wall = name.endswith("wall")
         color = INK if wall or name.endswith("surface") else GREY
         axes.plot(*line.T, color=color, linewidth=0.9 if wall else 0.7, zorder=3)
+
+
+def draw_bead(axes: Axes, scene: Scene, window: Window, *, fill: bool = True) -> None:
+    """Draw the nozzle, the bed and the melt, as far as a window shows them."""
+    draw_metal(axes, scene)
+    draw_bed(axes, window)
+    draw_outline(axes, scene, fill=fill)
+
+
+def mark_exit(axes: Axes, inset: Axes, scene: Scene) -> None:
+    """Mark the exit in the whole scene, and make axes its inset, with a bar of a round length."""
+    mark_window(axes, scene.exit)
+    frame(inset)
+    scale_bar(inset, scene.exit, height=0.85, share=0.12)
 
 
 def paint(

@@ -11,7 +11,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import wraps
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,13 +18,15 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from numpy.typing import NDArray
 
-from fibermelt.report.kit.ticks import LABEL, Plain, Roomy, plain_numbers
+from fibermelt.report.kit.tables import short
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +37,7 @@ __all__ = [
     "ATMOSPHERE",
     "BAND",
     "BLUE",
+    "COLUMN",
     "DIVERGING",
     "FULL",
     "GREEN",
@@ -50,23 +52,27 @@ __all__ = [
     "SEQUENTIAL",
     "VERMILION",
     "Array",
+    "Plain",
+    "Roomy",
     "Words",
     "add_axes",
     "color_bar",
+    "drawn_in_style",
     "key_above",
     "key_mark",
     "letter",
     "new_figure",
+    "plain_numbers",
     "round_up",
     "save",
+    "shades",
     "share_within",
-    "styled",
 ]
 
 Array = NDArray[np.float64]
 
-FULL = 190.0
-"""Width of a figure [mm]: across a page."""
+FULL, COLUMN = 190.0, 90.0
+"""Width of a figure [mm]: across a page, or one column of it."""
 
 INK, GREY, OTHERS, BAND, PALE = "#1a1a1a", "#8c8c8c", "#bdbdbd", "#dedede", "#f0f3f6"
 BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"
@@ -80,6 +86,9 @@ DIVERGING = "RdBu_r"
 ATMOSPHERE = "RdBu"
 """Pressure against the air's: red where it pulls on the melt, blue where it presses."""
 
+SHADES, DARKEST, LIGHTEST = "plasma", 0.12, 0.85
+"""Colours of a sweep: no darker than shows a dashed line on top, no lighter than shows on white."""
+
 PNG_DOTS, SVG_DOTS = 180, 115
 """Dots per inch of PNG, and of what is painted inside SVG: smooth fields, whose bytes count."""
 
@@ -92,6 +101,18 @@ COORDINATES = re.compile(r' (?:d|x|y)="[^"]*"')
 
 SALT = "fibermelt"
 """Fixes the names of SVG's clip paths, which are random otherwise."""
+
+SMALLEST, LARGEST = 1e-3, 1e6
+"""Of the largest number of an axis: beyond, each is written with a power of its own."""
+
+LABEL = 7.0
+"""Size of the numbers [points]."""
+
+DIGIT, BETWEEN = 0.64, 0.8
+"""Width of a digit of DejaVu Sans, and what stays free between two numbers, in ems."""
+
+MOST = 9
+"""Steps along an axis at most, as matplotlib has."""
 
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -165,15 +186,70 @@ def _style() -> Iterator[None]:
         yield
 
 
-def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
-    """Have a figure drawn in this style."""
+def drawn_in_style(drawing: Callable[[xr.Dataset], Figure], results: xr.Dataset) -> Figure:
+    """Return a figure drawn in this style."""
+    with _style():
+        return drawing(results)
 
-    @wraps(draw)
-    def drawn(results: xr.Dataset) -> Figure:
-        with _style():
-            return draw(results)
 
-    return drawn
+def shades(count: int) -> list[str]:
+    """Return the colours of so many lines of a sweep, in order of lightness."""
+    found = mpl.colormaps[SHADES](np.linspace(DARKEST, LIGHTEST, count))
+    return [mpl.colors.to_hex(shade) for shade in found]
+
+
+class Plain(ScalarFormatter):
+    """Writes whole numbers, where matplotlib's own puts what they share over the next chart."""
+
+    def __init__(self) -> None:
+        super().__init__(useOffset=False)
+        self.set_scientific(b=False)
+
+    def format_ticks(self, values: list[float]) -> list[str]:
+        """Return the texts of the ticks."""
+        largest = max(map(abs, values), default=0.0)
+        if largest and not SMALLEST <= largest < LARGEST:
+            return [short(value, 3) for value in values]
+        return super().format_ticks(values)
+
+
+class Roomy(MaxNLocator):
+    """Sets ticks along x in round steps, so few that their numbers do not run together.
+
+    Parameters
+    ----------
+    most : int
+        Steps at most.
+    beyond : float
+        How far a number may reach beyond the ends of the axis [points].
+    """
+
+    def __init__(self, most: int = MOST, beyond: float = np.inf) -> None:
+        super().__init__(nbins=most, steps=[1, 2, 2.5, 5, 10])
+        self.most, self.beyond = most, beyond
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Return the places of the ticks."""
+        for steps in range(self.most, 0, -1):
+            self.set_params(nbins=steps)
+            found = np.asarray(super().tick_values(vmin, vmax))
+            if not isinstance(self.axis, Axis) or found.size < 2:
+                return found
+            box, low, high = self.axis.axes.get_window_extent(), *sorted((vmin, vmax))
+            points = 72.0 * box.width / self.axis.axes.figure.dpi / (high - low)
+            shown = [float(place) for place in found if low <= place <= high]
+            texts = self.axis.get_major_formatter().format_ticks(shown)
+            wide = DIGIT * LABEL * max(map(len, texts), default=0)
+            if points * float(found[1] - found[0]) >= wide + BETWEEN * LABEL:
+                break
+        inset = max(0.0, 0.5 * wide - self.beyond) / points
+        return found[(found >= low + inset) & (found <= high - inset)] if inset else found
+
+
+def plain_numbers(axes: Axes) -> None:
+    """Have both axes of a chart tell whole numbers, without an offset beside them."""
+    axes.xaxis.set_major_formatter(Plain())
+    axes.yaxis.set_major_formatter(Plain())
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -1,4 +1,4 @@
-"""Numbers as text, and rows as HTML tables that a screen reader can read."""
+"""Numbers as text, and the tables that they stand in."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from markupsafe import Markup
-
 from fibermelt import numerals
 from fibermelt.numerals import places, rounded
 
 __all__ = [
+    "QUANTITY",
     "Column",
+    "Table",
     "fixed",
-    "folded",
-    "meanings",
     "measured",
     "number",
     "percent",
@@ -24,14 +22,9 @@ __all__ = [
     "ranged",
     "short",
     "sized",
-    "table",
-    "width_class",
 ]
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-MANY, MOST = 3, 8
-"""Columns that fit across a phone and across a desktop's page: 6 em each beside the rows' names."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +44,15 @@ class Column:
     title: str
     unit: str = ""
     is_text: bool = False
+
+    @property
+    def label(self) -> str:
+        """Return its title with its unit, for where it has no head."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+
+QUANTITY = (Column("Quantity", is_text=True), Column("Value"), Column("Unit", is_text=True))
+"""Columns of a list of quantities, each with a unit of its own."""
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -125,32 +127,14 @@ def percent(share: float | None, places: int = 2) -> str:
     return fixed(None if share is None else 100.0 * share, places)
 
 
-def folded(title: str, content: Markup) -> Markup:
-    """Return content that opens at its title; it is whole in print."""
-    return Markup("<details><summary>{}</summary>\n{}</details>\n").format(title, content)
-
-
 def measured(value: float, error: float) -> str:
     """Return a number with its error estimate, as `fibermelt.numerals.measured` writes it."""
     return "–" if math.isnan(value) else printed(numerals.measured(value, error))
 
 
-def meanings(quantities: Iterable[tuple[str, str]]) -> Markup:
-    """Return titles and what each is, folded; nothing if there are none.
-
-    Parameters
-    ----------
-    quantities : iterable of (str, str)
-        Title and meaning of each; one without a meaning is left out.
-    """
-    items = [Markup("<dt>{}</dt><dd>{}</dd>\n").format(*one) for one in quantities if one[1]]
-    if not items:
-        return Markup()
-    return folded("What they are", Markup("<dl>\n{}</dl>").format(Markup().join(items)))
-
-
-def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> Markup:
-    """Return rows as an HTML table that fits a screen: rows of many columns become lists of cells.
+@dataclass(frozen=True)
+class Table:
+    """Rows under a caption; the macro ``table`` writes it so that it fits a screen.
 
     Parameters
     ----------
@@ -158,7 +142,7 @@ def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]
         What the table tells.
     columns : sequence of Column
         Its columns; the first names the rows.
-    rows : iterable of sequences of str
+    rows : sequence of sequences of str
         Its cells; what is not `Markup` is escaped.
 
     Raises
@@ -166,45 +150,20 @@ def table(caption: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]
     ValueError
         If a row has not as many cells as there are columns.
     """
-    head = Markup().join(
-        Markup('<th scope="col"{}>{}{}</th>').format(
-            Markup() if first else _kind(column), column.title, _unit(column.unit)
-        )
-        for first, column in zip([True, *[False] * len(columns)], columns, strict=False)
-    )
-    body = Markup("\n").join(_row(columns, cells) for cells in rows)
-    name = width_class(len(columns))
-    return Markup(
-        '<div class="scroll" role="region" tabindex="0" aria-label="{0}">\n'
-        "<table{3}><caption><span>{0}</span></caption>\n<thead><tr>{1}</tr></thead>\n<tbody>\n{2}\n</tbody></table>"
-        "\n</div>\n"
-    ).format(caption, head, body, Markup(' class="{}"').format(name) if name else "")
 
+    caption: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[str]]
 
-def _row(columns: Sequence[Column], cells: Sequence[str]) -> Markup:
-    if len(cells) != len(columns):
-        msg = f"a table of {len(columns)} columns was given a row of {len(cells)} cells"
-        raise ValueError(msg)
-    first = Markup('<th scope="row" data-label="{}">{}</th>').format(_label(columns[0]), cells[0])
-    rest = (
-        Markup('<td{} data-label="{}">{}</td>').format(_kind(column), _label(column), cell)
-        for column, cell in zip(columns[1:], cells[1:], strict=True)
-    )
-    return Markup("<tr>{}{}</tr>").format(first, Markup().join(rest))
+    def __post_init__(self) -> None:
+        """Refuse a row that is too short or too long."""
+        for cells in self.rows:
+            if len(cells) != len(self.columns):
+                msg = (
+                    f"a table of {len(self.columns)} columns was given a row of {len(cells)} cells"
+                )
+                raise ValueError(msg)
 
-
-def width_class(columns: int) -> str:
-    """Return the page's class of a table of so many columns; its cells have ``data-label`` then."""
-    return "most" if columns > MOST else "many" if columns > MANY else ""
-
-
-def _label(column: Column) -> str:
-    return f"{column.title} [{column.unit}]" if column.unit else column.title
-
-
-def _kind(column: Column) -> Markup:
-    return Markup() if column.is_text else Markup(' class="number"')
-
-
-def _unit(unit: str) -> Markup:
-    return Markup(' <span class="unit">[{}]</span>').format(unit) if unit else Markup()
+    def cells(self, row: Sequence[str]) -> Iterable[tuple[Column, str]]:
+        """Return the cells of a row with their columns."""
+        return zip(self.columns, row, strict=True)

@@ -1,29 +1,58 @@
-"""The files that a page of the report is made of, and its template."""
+"""Templates of the pages, which lie beside the code that fills them."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import Environment, FunctionLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
-__all__ = ["page_file", "page_template"]
+from fibermelt.report.kit import tables
+
+__all__ = ["rendered", "text_of"]
+
+FILTERS = (
+    tables.fixed,
+    tables.measured,
+    tables.number,
+    tables.percent,
+    tables.ranged,
+    tables.short,
+    tables.sized,
+)
+"""How numbers are written, by the same names in templates."""
 
 
-def page_file(name: str) -> str:
-    """Return a file of the folder ``page``."""
-    return files("fibermelt.report").joinpath("page", name).read_text(encoding="utf-8")
+def text_of(name: str) -> str:
+    """Return a file as it is, by its path within fibermelt."""
+    return files("fibermelt").joinpath(name).read_text(encoding="utf-8")
 
 
 @cache
-def page_template(name: str) -> Any:
-    """Return a template of the folder ``page``: what it names must be there, and is escaped."""
+def _environment() -> Environment:
+    """Return where templates are found; what they name must be there, and is escaped."""
     environment = Environment(
-        loader=FunctionLoader(page_file),
+        loader=PackageLoader("fibermelt", ""),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(name)
+    environment.filters.update({one.__name__: one for one in FILTERS})
+    return environment
+
+
+def rendered(name: str, values: Mapping[str, Any]) -> Markup:
+    """Return a template with values in it.
+
+    Parameters
+    ----------
+    name : str
+        Its path within fibermelt, such as ``parts/voids/risk.html.j2``.
+    values : mapping
+        What it is filled with.
+    """
+    return Markup(_environment().get_template(name).render(values))

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
+from fibermelt.paper.claims.section import counted, tally
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.flow.figures.lines import line_word
 from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
-from fibermelt.report.kit.judged import counted, tally
 from fibermelt.report.kit.tables import fixed, number, short, sized
-from fibermelt.report.page.account import parameters
+from fibermelt.report.kit.templates import rendered
+from fibermelt.report.page.what_was_run import parameters
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,13 +26,6 @@ __all__ = ["answer"]
 
 MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
 
-FIBERS = {
-    "confined-ellipse": "ellipses in their cells",
-    "ellipse": "unbounded ellipses",
-    "spheroid": "unbounded spheroids",
-    "ellipsoid": "unbounded ellipsoids of three axes",
-}
-"""What stands for the fibers, in words."""
 
 SOURCES = {"field": "another solver’s field", "histories": "a table"}
 """Where paths come from that were not traced through a flow of ours."""
@@ -55,22 +50,17 @@ def answer(results: xr.Dataset, summary: Mapping[str, Any]) -> Markup:
         The store. Without a bead there is no risk to tell, without voids no moisture to hold the
         pressures against.
     """
-    lines = [Markup('<p class="lead">{}</p>\n').format(_run(results, summary))]
-    asked = _asked(results, summary)
-    if asked:
-        items = Markup().join(
-            Markup("<div><dt>{}</dt><dd>{}</dd></div>\n").format(question, told)
-            for question, told in asked
-        )
-        lines.append(Markup('<dl class="answer">\n{}</dl>\n').format(items))
-    lines += [
-        Markup('<p class="fine">Mind that {}.</p>\n').format(note)
-        for note in (*summary.get("notes", ()), *summary.get("field", {"notes": ()})["notes"])
-    ]
-    if listed := summary.get("claims"):
-        words = Markup('<p class="fine">Of {}: {} (<a href="#claims">each of them</a>).</p>\n')
-        lines.append(words.format(counted(one["statement"] for one in listed), tally(listed)))
-    return Markup().join(lines)
+    listed = summary.get("claims") or []
+    return rendered(
+        "report/page/answer.html.j2",
+        {
+            "run": _run(results, summary),
+            "asked": _asked(results, summary),
+            "notes": [*summary.get("notes", ()), *summary.get("field", {"notes": ()})["notes"]],
+            "counted": counted(one["statement"] for one in listed),
+            "tally": tally(listed),
+        },
+    )
 
 
 def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
@@ -83,14 +73,14 @@ def _run(results: xr.Dataset, summary: Mapping[str, Any]) -> str:
         return (
             f"{count} path{'' if count == 1 else 's'} of {SOURCES[values['flow.source']]}; melt of "
             f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect ratio "
-            f"{short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]})."
+            f"{short(values['fiber.aspect_ratio'])} ({SHAPES[values['fiber.model']].plural})."
         )
     return (
         f"A bead {number(MM * summary['flow']['bead_height'], 3)} mm high, laid at "
         f"{short(MM * values['flow.bed_speed'])} mm/s by a nozzle "
         f"{short(MM * values['flow.gap'])} mm above the bed; melt of "
         f"{_viscosity(values)}; fibers {short(length)} µm long, of aspect "
-        f"ratio {short(values['fiber.aspect_ratio'])} ({FIBERS[values['fiber.model']]}), on "
+        f"ratio {short(values['fiber.aspect_ratio'])} ({SHAPES[values['fiber.model']].plural}), on "
         f"{count} streamline{'' if count == 1 else 's'}."
     )
 

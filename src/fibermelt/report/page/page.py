@@ -17,19 +17,16 @@ from fibermelt.engine.outputs import replace_output
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import StoreError
 from fibermelt.parts.bead.figures.interactive import NEEDS, bead_data
-from fibermelt.report.kit.templates import page_file, page_template
-from fibermelt.report.page.account import account, title_of
+from fibermelt.report.kit.templates import rendered, text_of
 from fibermelt.report.page.answer import answer
 from fibermelt.report.page.embed import embed_figures
-from fibermelt.report.page.sections import told
+from fibermelt.report.page.sections import OPENING, filled
+from fibermelt.report.page.what_was_run import title_of, what_was_run
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["render", "write_report"]
-
-OVERVIEW = "overview"
-"""The figure that stands first, above the one that moves."""
 
 
 def render(
@@ -57,18 +54,23 @@ def render(
     StoreError
         If the results hold no study that this fibermelt reads.
     """
-    opening = account(results, summary)
-    figures = {figure.name: figure for figure in embed_figures(results, drawn)}
-    overview = figures.pop(OVERVIEW, None)
-    page = page_template("page.html.j2").render(
-        title=title_of(results),
-        answer=answer(results, summary),
-        account=opening,
-        overview=overview,
-        bead=Markup(bead_data(results)) if NEEDS.issubset(results) else None,  # escaped there
-        sections=told(results, summary, figures),
-        style=Markup(page_file("style.css")),
-        script=Markup(page_file("bead.js")),
+    # First, as it refuses results without a study.
+    run = what_was_run(results)
+    sections = filled(results, summary, embed_figures(results, drawn))
+    page = rendered(
+        "report/page/page.html.j2",
+        {
+            "title": title_of(results),
+            "answer": answer(results, summary),
+            "what_was_run": run,
+            "bead": Markup(bead_data(results))
+            if NEEDS.issubset(results)
+            else None,  # escaped there
+            "opening": next((one for one in sections if one.section is OPENING), None),
+            "sections": [one for one in sections if one.section is not OPENING],
+            "style": Markup(text_of("report/page/style.css")),
+            "script": Markup(text_of("report/page/bead.js")),
+        },
     )
     return str(page).encode()
 

@@ -15,6 +15,9 @@ from typing import Any
 
 from markupsafe import Markup
 
+from fibermelt.parts.bead.shapes import SHAPES
+from fibermelt.report.kit.templates import rendered
+
 __all__ = ["USES", "Source", "Use", "read_sources", "sources_of", "written"]
 
 _ENTRY = re.compile(r"^@(?P<kind>\w+)\{(?P<key>[\w-]+),\n(?P<fields>.*?)^\}", re.M | re.S)
@@ -38,6 +41,25 @@ class Source:
     key: str
     fields: Mapping[str, str]
     bibtex: str
+
+    @property
+    def authors(self) -> str:
+        """Return ``Last, First and Last, First`` as ``Last, First; Last, First``."""
+        names = self.fields["author"].split(" and ")
+        if names[-1] == "others":
+            return f"{', '.join(names[:-1])} and others"
+        return "; ".join(names)
+
+    @property
+    def place(self) -> str:
+        """Return where it was published."""
+        fields = self.fields
+        where = fields.get("journal", fields.get("school", ""))
+        if "school" in fields:
+            where = f"dissertation, {where}"
+        place = " ".join(filter(None, [where, fields.get("volume", "")]))
+        pages = fields.get("pages", "").replace("--", "–")
+        return f"{place}, {pages}" if pages else place
 
 
 @dataclass(frozen=True)
@@ -77,14 +99,14 @@ COMPARED = ("ORE", "ORF", "ORW3", "IBOF", "exact", "quadratic", "hybrid")
 def _unbounded(values: Mapping[str, Any]) -> bool:
     """Tell whether the closed forms of a fiber in an unbounded melt answer for it."""
     parts = {"orbits", "dimensions", "interaction", "orientation", "voids"}
-    return values["fiber.model"] != "confined-ellipse" or _has(*parts)(values)
+    return not SHAPES[values["fiber.model"]].has_cell or _has(*parts)(values)
 
 
 def _confined(values: Mapping[str, Any]) -> bool:
     """Tell whether a fiber in its cell is solved for by finite elements."""
     if _has("interaction", "orbits", "dimensions")(values):
         return True
-    return values["fiber.model"] == "confined-ellipse" and _has("bead")(values)
+    return SHAPES[values["fiber.model"]].has_cell and _has("bead")(values)
 
 
 def _interacting(values: Mapping[str, Any]) -> bool:
@@ -197,26 +219,4 @@ def sources_of(values: Mapping[str, Any]) -> list[tuple[Source, str]]:
 
 def written(source: Source) -> Markup:
     """Return a source as one line of a bibliography, with a link where it has a DOI or arXiv."""
-    fields = source.fields
-    where = fields.get("journal", fields.get("school", ""))
-    if "school" in fields:
-        where = f"dissertation, {where}"
-    place = " ".join(filter(None, [where, fields.get("volume", "")]))
-    if pages := fields.get("pages", "").replace("--", "–"):
-        place += f", {pages}"
-    line = Markup("{} ({}). <cite>{}</cite>. {}.").format(
-        _authors(fields["author"]), fields["year"], fields["title"], place
-    )
-    if doi := fields.get("doi"):
-        line += Markup(' <a href="https://doi.org/{0}">doi:{0}</a>').format(doi)
-    elif eprint := fields.get("eprint"):
-        line += Markup(' <a href="https://arxiv.org/abs/{0}">arXiv:{0}</a>').format(eprint)
-    return line
-
-
-def _authors(text: str) -> str:
-    """Return ``Last, First and Last, First`` as ``Last, First, Last, First and others``."""
-    names = text.split(" and ")
-    if names[-1] == "others":
-        return f"{', '.join(names[:-1])} and others"
-    return "; ".join(names)
+    return rendered("report/page/source.html.j2", {"source": source})

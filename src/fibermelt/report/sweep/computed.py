@@ -12,10 +12,11 @@ from markupsafe import Markup
 from fibermelt.engine.progress import duration
 from fibermelt.numerals import ERROR_DIGITS
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
-from fibermelt.report.kit.tables import Column, fixed, number, table
-from fibermelt.report.page.account import parameters
-from fibermelt.report.page.chapters import listed_sources, listed_versions
+from fibermelt.report.kit.tables import Column, Table, fixed, number
+from fibermelt.report.kit.templates import rendered
+from fibermelt.report.page.endmatter import versions_table
 from fibermelt.report.page.sources import USES, Source, read_sources, sources_of
+from fibermelt.report.page.what_was_run import parameters
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,32 +54,22 @@ def computed_told(collected: xr.Dataset, found: SweepTable, computed: Computed) 
     computed : Computed
         What the records of its folder tell.
     """
+    progress = computed.progress
     versions = {name: ", ".join(several) for name, several in computed.software.items()}
-    return Markup().join(
-        [
-            _started(computed),
-            _errors(collected, found),
-            _cost(computed),
-            listed_versions("Software that computed", versions),
-        ]
+    return rendered(
+        "report/sweep/computed.html.j2",
+        {
+            "begun": {name: one for name, one in computed.stages.items() if one.from_neighbour},
+            "errors": _errors(collected, found),
+            "cost": _cost(computed),
+            "wall": duration(progress.wall_s),
+            "reused": progress.reused_stages,
+            "versions": versions_table("Software that computed", versions),
+        },
     )
 
 
-def _started(computed: Computed) -> Markup:
-    """Return how many flows, or other stages that can, started from a neighbour."""
-    words = []
-    for name, cost in computed.stages.items():
-        if cost.from_neighbour:
-            cold = cost.stored - cost.from_neighbour
-            words.append(
-                f"Of {cost.stored} results of the stage {name}, {cold} started from cold and "
-                f"{cost.from_neighbour} from that of a neighbouring case, to the same answer "
-                "within the stated error."
-            )
-    return Markup("<p>{}</p>\n").format(" ".join(words)) if words else Markup()
-
-
-def _errors(collected: xr.Dataset, found: SweepTable) -> Markup:
+def _errors(collected: xr.Dataset, found: SweepTable) -> Table:
     """Return the largest error that any flow states of itself, and in which case."""
     rows = []
     for one in FLOW.values():
@@ -95,7 +86,7 @@ def _errors(collected: xr.Dataset, found: SweepTable) -> Markup:
                 number(one.factor * float(errors[case]), ERROR_DIGITS),
                 number(one.factor * value),
                 one.shown_unit or "–",
-                Markup("{}. {}").format(case + 1, found.point(case)),
+                f"{case + 1}. {found.point(case)}",
             )
         )
     columns = (
@@ -105,10 +96,10 @@ def _errors(collected: xr.Dataset, found: SweepTable) -> Markup:
         Column("Unit", is_text=True),
         Column("Case", is_text=True),
     )
-    return table("Largest stated errors of the flows", columns, rows) if rows else Markup()
+    return Table("Largest stated errors of the flows", columns, rows)
 
 
-def _cost(computed: Computed) -> Markup:
+def _cost(computed: Computed) -> Table:
     """Return what stages and cases cost when they were computed."""
     progress = computed.progress
     rows = [
@@ -119,25 +110,18 @@ def _cost(computed: Computed) -> Markup:
     if progress.cases:
         count = str(progress.cases)
         rows.append(("all else, by case", count, _seconds(processor), fixed(wall, 1)))
-    if not rows:
-        return Markup()
-    kept = computed.stages.values()
-    processor += sum(cost.processor for cost in kept)
-    wall += sum(cost.seconds for cost in kept)
-    rows.append(("together", "", _seconds(processor), fixed(wall, 1)))
+    if rows:
+        kept = computed.stages.values()
+        processor += sum(cost.processor for cost in kept)
+        wall += sum(cost.seconds for cost in kept)
+        rows.append(("together", "", _seconds(processor), fixed(wall, 1)))
     columns = (
         Column("Stage", is_text=True),
         Column("Computed"),
         Column("Processor time", "s"),
         Column("Wall time", "s"),
     )
-    note = Markup(
-        "<p>What several cases share was computed once. Times are added up over all workers, when "
-        "each was computed; the last run into the folder took {}{}.</p>\n"
-    )
-    reused = progress.reused_stages
-    found = f" and found {reused} stage{'' if reused == 1 else 's'} there" if reused else ""
-    return note.format(duration(progress.wall_s), found) + table("Cost", columns, rows)
+    return Table("Cost", columns, rows)
 
 
 def _seconds(value: float) -> str:
@@ -162,7 +146,8 @@ def sources_told(collected: xr.Dataset, found: SweepTable) -> Markup:
             every.setdefault(source.key, (source, what))
     order = [use.key for use in USES]
     used = sorted(every.values(), key=lambda one: order.index(one[0].key))
-    return listed_sources([*used, *_design_sources(collected, found)])
+    every_source = [*used, *_design_sources(collected, found)]
+    return rendered("report/page/sources.html.j2", {"sources": every_source})
 
 
 def _design_sources(collected: xr.Dataset, found: SweepTable) -> list[tuple[Source, str]]:

@@ -6,7 +6,6 @@ Each is a pure function of the collected sweep, as the figures of a run are of i
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,17 +15,25 @@ from matplotlib.figure import Figure
 
 from fibermelt.errors import ConfigError
 from fibermelt.report.kit.plates import Plate
-from fibermelt.report.kit.style import BAND, BLUE, FULL, INK, VERMILION, Words, add_axes, new_figure
-from fibermelt.report.kit.style import styled as in_style
+from fibermelt.report.kit.style import (
+    BAND,
+    BLUE,
+    FULL,
+    INK,
+    VERMILION,
+    Words,
+    add_axes,
+    new_figure,
+    plain_numbers,
+)
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
 from fibermelt.report.sweep.population import (
     figure_population,
     has_population,
     population_words,
 )
-from fibermelt.report.sweep.shares import (
+from fibermelt.report.sweep.sampled import (
     all_indices,
     index_words,
     quantile_words,
@@ -72,10 +79,6 @@ def sweep_effects(collected: xr.Dataset, first: int = 0) -> Figure:
     first : int
         The parameter to begin with: `ACROSS` of them are drawn.
     """
-    return in_style(partial(_effects, first=first))(collected)
-
-
-def _effects(collected: xr.Dataset, first: int) -> Figure:
     table = sweep_table(collected)
     axes, rows = table.axes[first : first + ACROSS], table.varying
     if len(axes) == 1:
@@ -233,8 +236,6 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     """
     table = sweep_table(collected)
     found: list[Plate] = []
-    draw: Callable[[xr.Dataset], Figure]
-    words: Callable[[xr.Dataset], Words]
     if _is_window(collected):
         found.append(Plate("window", "The process window", figure_window, window_words))
     if has_population(collected, table):
@@ -243,19 +244,28 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
         )
     if table.varying:
         for first in range(0, len(table.axes), ACROSS):
-            draw = partial(sweep_effects, first=first)
-            words = partial(effects_words, first=first)
             more = f", from {table.axes[first].title} on" if first else ""
-            name = f"effects-{first // ACROSS + 1}" if first else "effects"
-            found.append(Plate(name, f"Main effects{more}", draw, words))
+            found.append(
+                Plate(
+                    f"effects-{first // ACROSS + 1}" if first else "effects",
+                    f"Main effects{more}",
+                    partial(sweep_effects, first=first),
+                    partial(effects_words, first=first),
+                )
+            )
     if maps_there(table):
         found.append(Plate("maps", "Responses over both parameters", sweep_maps, map_words))
     if table.is_sampled and table.varying:
         found.append(Plate("quantiles", "Spread of the responses", sweep_quantiles, quantile_words))
     if indices := all_indices(table):
-        draw = partial(sweep_indices, found=indices)
-        words = partial(index_words, found=indices)
-        found.append(Plate("indices", "What the spread is due to", draw, words))
+        found.append(
+            Plate(
+                "indices",
+                "What the spread is due to",
+                partial(sweep_indices, found=indices),
+                partial(index_words, found=indices),
+            )
+        )
     return tuple(found)
 
 

@@ -11,10 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fibermelt.report.kit.style import FULL, INK, OTHERS, SEQUENTIAL, Words, add_axes, new_figure
-from fibermelt.report.kit.style import styled as in_style
+from fibermelt.report.kit.style import (
+    FULL,
+    INK,
+    OTHERS,
+    SEQUENTIAL,
+    Words,
+    add_axes,
+    new_figure,
+    plain_numbers,
+)
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:
@@ -46,7 +53,6 @@ def maps_there(table: SweepTable) -> bool:
     )
 
 
-@in_style
 def sweep_maps(collected: xr.Dataset) -> Figure:
     """Draw a map for each response: the first parameter upwards, the second to the right.
 

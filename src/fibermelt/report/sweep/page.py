@@ -17,12 +17,12 @@ from fibermelt.engine.files import replace_file
 from fibermelt.engine.outputs import has_run
 from fibermelt.engine.schema import REPORT
 from fibermelt.report.kit.plates import draw_plates
-from fibermelt.report.kit.templates import page_file, page_template
+from fibermelt.report.kit.templates import rendered, text_of
 from fibermelt.report.page.embed import Embedded, embed_plates
 from fibermelt.report.sweep.claims import claims_matrix
 from fibermelt.report.sweep.computed import computed_told, sources_told
 from fibermelt.report.sweep.figures import sweep_plates
-from fibermelt.report.sweep.words import cases_told, responses_told, varied_told
+from fibermelt.report.sweep.tables import cases_told, responses_told, varied_told
 from fibermelt.sweeps.answer import answer_sweep
 from fibermelt.sweeps.collect import collect_sweep
 from fibermelt.sweeps.status import read_computed
@@ -79,14 +79,19 @@ def _rendered(collected: xr.Dataset, computed: Computed | None, answer: Sequence
         ("computed", "How it was computed", how),
         ("sources", "Sources", sources_told(collected, table)),
     )
-    page = page_template("sweep.html.j2").render(
-        title=table.title,
-        answer=answer,
-        varied=varied_told(collected, table),
-        cases=cases_told(table),
-        figures=_figures(collected),
-        sections=[one for one in told if one[2]],
-        style=Markup(page_file("style.css") + page_file("sweep.css")),
+    page = rendered(
+        "report/sweep/sweep.html.j2",
+        {
+            "title": table.title,
+            "answer": answer,
+            "varied": varied_told(collected, table),
+            "cases": cases_told(table),
+            "figures": _figures(collected),
+            "sections": [one for one in told if one[2]],
+            "style": Markup(
+                text_of("report/page/style.css") + text_of("report/sweep/sweep.css"),
+            ),
+        },
     )
     return str(page).encode()
 

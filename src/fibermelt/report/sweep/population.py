@@ -24,11 +24,10 @@ from fibermelt.report.kit.style import (
     key_mark,
     letter,
     new_figure,
-    styled,
+    plain_numbers,
 )
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import plain_numbers
-from fibermelt.report.sweep.weighing import QUANTILE_RULE, weighing_told
+from fibermelt.report.sweep.sampled import QUANTILE_RULE, weighing_told
 from fibermelt.sweeps.analysis import LEVELS, quantiles
 from fibermelt.sweeps.table import SweepTable, sweep_table
 
@@ -94,7 +93,6 @@ def _bands(values: Array, weights: Array | None = None) -> Array:
     return np.stack([quantiles(line, LEVELS, weights) for line in values.T], axis=1)
 
 
-@styled
 def figure_population(collected: xr.Dataset) -> Figure:
     """Draw median and band of the lowest pressure by streamline, at both locations.
 

@@ -10,8 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fibermelt.report.kit.scene import MM
-from fibermelt.report.kit.style import FULL, Array, Words, add_axes, letter, new_figure, styled
-from fibermelt.report.kit.ticks import plain_numbers
+from fibermelt.report.kit.style import (
+    FULL,
+    Array,
+    Words,
+    add_axes,
+    letter,
+    new_figure,
+    plain_numbers,
+)
 from fibermelt.sweeps.window import GAP, SPEED, critical_moistures, drying_advice
 
 if TYPE_CHECKING:
@@ -32,7 +39,6 @@ HEIGHT, LEFT, WIDE = 68.0, (14.0, 109.0), 78.0
 """Of the figure, and where its two charts stand [mm]."""
 
 
-@styled
 def figure_window(collected: xr.Dataset) -> Figure:
     """Draw critical moisture against print speed for each gap: of the worst fiber, of the median.
 

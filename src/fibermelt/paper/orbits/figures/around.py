@@ -12,11 +12,14 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from fibermelt.paper.orbits.figures.turns import KPA, cell_name
 from fibermelt.parts.bead.figures.surroundings import FIBER
 from fibermelt.report.kit.drawing import frame, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
+    COLUMN,
     INK,
     Array,
     Words,
@@ -25,14 +28,12 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
     round_up,
-    styled,
 )
-from fibermelt.report.kit.turns import COLUMN, KPA, cell_name
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["around_words", "figure_around"]
+__all__ = ["figure_around"]
 
 LEVELS = np.array([0.0, 0.03, 0.06, 0.1, 0.2, 0.3, 0.45, 0.65, 1.0])
 """Isobars over the pressure scale's end: closer where it is low, as it is in most of the melt."""
@@ -44,7 +45,34 @@ FOOT = 13.0
 """Room of the colour bar [mm]."""
 
 
-@styled
+def around_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    lows = KPA * results["near_pressure"].min(dim=("ring", "ray")).to_numpy()
+    ratios = results["ratio"].to_numpy()
+    told = ", ".join(f"{low:.2f} kPa at {ratio:g}" for low, ratio in zip(lows, ratios, strict=True))
+    return Words(
+        caption=(
+            "Pressure around fibers of several aspect ratios in simple shear (to the right above "
+            "the fiber), less the far field's, each at the angle from the flow at which the "
+            f"pressure on it is lowest. In {cell_name(results)}; one scale for all. Circles: where "
+            "on the surface it is lowest. A circular fiber sees the same at every angle."
+        ),
+        alt=(
+            f"{len(ratios)} panels, each with an ellipse and the pressure around it. Low pressure "
+            "sits at the two ends that point along the stretching direction, high pressure on the "
+            f"flanks. The lowest by aspect ratio: {told}."
+        ),
+    )
+
+
+@plate(
+    "orbit-around",
+    "Pressure around the fiber",
+    section="shear",
+    words=around_words,
+    needs="orbit_period",
+    paper="Fig. 11",
+)
 def figure_around(results: xr.Dataset) -> Figure:
     """Draw the pressure near each fiber, in the axes of the flow, all on one scale."""
     count = results.sizes["ratio"]
@@ -118,23 +146,3 @@ def _shear(axes: Axes) -> None:
     axes.plot([0.0, 0.0], [-1.0, 1.0], color=INK, linewidth=0.6)
     axes.text(0.0, 1.25, r"$u_x = \dot\gamma\,y$", ha="center", va="center")
     axes.text(0.0, -1.3, "circles: lowest pressure", ha="center", va="center")
-
-
-def around_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_around`."""
-    lows = KPA * results["near_pressure"].min(dim=("ring", "ray")).to_numpy()
-    ratios = results["ratio"].to_numpy()
-    told = ", ".join(f"{low:.2f} kPa at {ratio:g}" for low, ratio in zip(lows, ratios, strict=True))
-    return Words(
-        caption=(
-            "Pressure around fibers of several aspect ratios in simple shear (to the right above "
-            "the fiber), less the far field's, each at the angle from the flow at which the "
-            f"pressure on it is lowest. In {cell_name(results)}; one scale for all. Circles: where "
-            "on the surface it is lowest. A circular fiber sees the same at every angle."
-        ),
-        alt=(
-            f"{len(ratios)} panels, each with an ellipse and the pressure around it. Low pressure "
-            "sits at the two ends that point along the stretching direction, high pressure on the "
-            f"flanks. The lowest by aspect ratio: {told}."
-        ),
-    )

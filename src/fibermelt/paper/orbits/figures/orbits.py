@@ -10,9 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from fibermelt.report.kit.style import Words, add_axes, letter, new_figure, styled
-from fibermelt.report.kit.turns import (
-    COLUMN,
+from fibermelt.paper.orbits.figures.turns import (
     JEFFERY,
     KPA,
     OURS,
@@ -21,11 +19,13 @@ from fibermelt.report.kit.turns import (
     plain,
     read_turn,
 )
+from fibermelt.report.kit.plates import plate
+from fibermelt.report.kit.style import COLUMN, Words, add_axes, letter, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_motion", "figure_pressures", "motion_words", "pressures_words"]
+__all__ = ["figure_motion", "figure_pressures"]
 
 MODELS = ("confined-ellipse", "ellipse")
 """Ours and Jeffery's, as the results name them."""
@@ -63,7 +63,40 @@ def _key(results: xr.Dataset) -> list[Line2D]:
     ]
 
 
-@styled
+def motion_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    ours, jeffery = _both(results)
+    if np.isnan(ours.period):
+        told = (
+            "Two panels of curves over time. The unbounded fiber falls by half a turn twice; the "
+            f"one in its cell comes to rest at {ours.angle[-1]:.1f}° to the flow."
+        )
+    else:
+        fastest = [float(np.abs(turn.spin).max()) for turn in (ours, jeffery)]
+        told = (
+            "Two panels of curves over time, one line for the cell and one unbounded. The angle "
+            "stays near the flow's direction most of the time and falls by half a turn twice; the "
+            f"spin reaches {fastest[0]:.3f} 1/s in the cell and {fastest[1]:.3f} 1/s unbounded, "
+            "clockwise."
+        )
+    return Words(
+        caption=(
+            f"One turn of a fiber in simple shear, {_base(results)}: (a) its angle from the flow "
+            f"and (b) its spin. Red: in {cell_name(results)}. Blue: Jeffery's closed form in an "
+            f"unbounded melt. Full turn: {_period(ours)} in the cell, {_period(jeffery)} unbounded."
+        ),
+        alt=told,
+    )
+
+
+@plate(
+    "orbit-motion",
+    "A fiber's turn in simple shear",
+    section="shear",
+    words=motion_words,
+    needs="orbit_period",
+    paper="Fig. 8",
+)
 def figure_motion(results: xr.Dataset) -> Figure:
     """Draw angle and spin over one turn."""
     figure, upper, lower = _panels(results)
@@ -91,7 +124,37 @@ def _legend(axes: Axes, handles: list[Line2D]) -> None:
     )
 
 
-@styled
+def pressures_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    found = results.isel(case=BASE)
+    lowest = [KPA * float(found["orbit_lowest"].sel(orbit_model=m)) for m in MODELS]
+    angle = np.degrees(float(found["orbit_angle_at_lowest"].sel(orbit_model=MODELS[0])))
+    return Words(
+        caption=(
+            f"Pressure on a fiber over one turn in simple shear, {_base(results)}, less the far "
+            "field's: (a) highest (continuous) and lowest (dashed) over the surface, (b) at the "
+            f"tips. Red: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest over "
+            f"every orientation: {lowest[0]:.2f} kPa in the cell and {lowest[1]:.2f} kPa "
+            f"unbounded, with the fiber at {angle:.0f}° to the flow, from where it turns into the "
+            "flow's direction."
+        ),
+        alt=(
+            "Two panels of curves over time. Each time a fiber flips, first the highest pressure "
+            "peaks and then the lowest dips; at the tips the pressure rises and then falls. Over "
+            f"every orientation the lowest is {lowest[0]:.1f} kPa in the cell, {lowest[1]:.1f} kPa "
+            "unbounded."
+        ),
+    )
+
+
+@plate(
+    "orbit-pressure",
+    "Pressure over a turn",
+    section="shear",
+    words=pressures_words,
+    needs="orbit_period",
+    paper="Fig. 9",
+)
 def figure_pressures(results: xr.Dataset) -> Figure:
     """Draw highest and lowest surface pressure, and that at the tips, over one turn."""
     figure, upper, lower = _panels(results)
@@ -119,52 +182,3 @@ def _base(results: xr.Dataset) -> str:
 
 def _period(turn: Turn) -> str:
     return "it comes to rest" if np.isnan(turn.period) else f"{turn.period:.2f} s"
-
-
-def motion_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_motion`."""
-    ours, jeffery = _both(results)
-    if np.isnan(ours.period):
-        told = (
-            "Two panels of curves over time. The unbounded fiber falls by half a turn twice; the "
-            f"one in its cell comes to rest at {ours.angle[-1]:.1f}° to the flow."
-        )
-    else:
-        fastest = [float(np.abs(turn.spin).max()) for turn in (ours, jeffery)]
-        told = (
-            "Two panels of curves over time, one line for the cell and one unbounded. The angle "
-            "stays near the flow's direction most of the time and falls by half a turn twice; the "
-            f"spin reaches {fastest[0]:.3f} 1/s in the cell and {fastest[1]:.3f} 1/s unbounded, "
-            "clockwise."
-        )
-    return Words(
-        caption=(
-            f"One turn of a fiber in simple shear, {_base(results)}: (a) its angle from the flow "
-            f"and (b) its spin. Red: in {cell_name(results)}. Blue: Jeffery's closed form in an "
-            f"unbounded melt. Full turn: {_period(ours)} in the cell, {_period(jeffery)} unbounded."
-        ),
-        alt=told,
-    )
-
-
-def pressures_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_pressures`."""
-    found = results.isel(case=BASE)
-    lowest = [KPA * float(found["orbit_lowest"].sel(orbit_model=m)) for m in MODELS]
-    angle = np.degrees(float(found["orbit_angle_at_lowest"].sel(orbit_model=MODELS[0])))
-    return Words(
-        caption=(
-            f"Pressure on a fiber over one turn in simple shear, {_base(results)}, less the far "
-            "field's: (a) highest (continuous) and lowest (dashed) over the surface, (b) at the "
-            f"tips. Red: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest over "
-            f"every orientation: {lowest[0]:.2f} kPa in the cell and {lowest[1]:.2f} kPa "
-            f"unbounded, with the fiber at {angle:.0f}° to the flow, from where it turns into the "
-            "flow's direction."
-        ),
-        alt=(
-            "Two panels of curves over time. Each time a fiber flips, first the highest pressure "
-            "peaks and then the lowest dips; at the tips the pressure rises and then falls. Over "
-            f"every orientation the lowest is {lowest[0]:.1f} kPa in the cell, {lowest[1]:.1f} kPa "
-            "unbounded."
-        ),
-    )

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from fibermelt.parts.bead.figures.spread import by_streamline, draw_fibers, draw_mean, spread_key
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, line_word, regular
 from fibermelt.parts.flow.imported import is_given
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     FULL,
@@ -21,13 +22,12 @@ from fibermelt.report.kit.style import (
     key_above,
     letter,
     new_figure,
-    styled,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["alignment_words", "figure_alignment", "isotropic_angles", "within_quarter_turn"]
+__all__ = ["figure_alignment", "isotropic_angles", "within_quarter_turn"]
 
 STARTS = 3600
 """Evenly spread starts that stand for all: a twentieth of a degree apart."""
@@ -90,7 +90,49 @@ def _zone_angles(results: xr.Dataset) -> dict[int, Array]:
     return dict(zip(results["zone"].to_numpy().tolist(), within_quarter_turn(angle), strict=True))
 
 
-@styled
+def alignment_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    word, told = line_word(results), []
+    angles = _zone_angles(results)
+    for zone, angle in angles.items():
+        away = np.degrees(np.abs(angle))
+        half = np.median(away, axis=1)
+        steady = regular(results) & np.isfinite(half)
+        if not steady.any():
+            continue
+        calm = int(np.argmax(np.where(steady, half, -1.0)))
+        told.append(
+            f"at zone {zone} half of them within {half[steady].min():.0f}° to "
+            f"{half[calm]:.0f}°, the latter on {word} {int(results['streamline'][calm])}"
+        )
+    near = at_corners(results, f"Diamonds: {word}s", ", near a singular corner.")
+    zones = (
+        "zones 1 to 3" if len(angles) == len(ZONES) else f"zone {' and '.join(map(str, angles))}"
+    )
+    opening = "Angle" if is_given(results) else "Fig. 20 of the paper: angle"
+    return Words(
+        caption=(
+            f"{opening} of the fibers to the {word} at {zones}, by "
+            f"{word}, for fibers of {initial_angles(results)} (points; line: their mean). "
+            "Bounds over all initial angles would be the whole half turn, as every direction is "
+            "that of some start; the bands hold the middle shares of evenly spread starts, exact "
+            f"by the one linear map that all directions of a {word} share.{near}"
+        ),
+        alt=(
+            f"Charts by {word} of the fibers' angles to it at {zones}, either way: "
+            f"{'; '.join(told)}."
+        ),
+    )
+
+
+@plate(
+    "alignment",
+    "Orientation at the zones",
+    section="fibers",
+    words=alignment_words,
+    needs="zone_angle",
+    paper="Fig. 20",
+)
 def figure_alignment(results: xr.Dataset) -> Figure:
     """Draw the angle to the streamline by streamline, at the zones."""
     figure = new_figure(FULL, 82)
@@ -129,38 +171,3 @@ def _key(results: xr.Dataset) -> list[Line2D | Patch]:
         for share, color, opacity in SHARES
     ]
     return [mean, fibers, *bands, near]
-
-
-def alignment_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_alignment`."""
-    word, told = line_word(results), []
-    angles = _zone_angles(results)
-    for zone, angle in angles.items():
-        away = np.degrees(np.abs(angle))
-        half = np.median(away, axis=1)
-        steady = regular(results) & np.isfinite(half)
-        if not steady.any():
-            continue
-        calm = int(np.argmax(np.where(steady, half, -1.0)))
-        told.append(
-            f"at zone {zone} half of them within {half[steady].min():.0f}° to "
-            f"{half[calm]:.0f}°, the latter on {word} {int(results['streamline'][calm])}"
-        )
-    near = at_corners(results, f"Diamonds: {word}s", ", near a singular corner.")
-    zones = (
-        "zones 1 to 3" if len(angles) == len(ZONES) else f"zone {' and '.join(map(str, angles))}"
-    )
-    opening = "Angle" if is_given(results) else "Fig. 20 of the paper: angle"
-    return Words(
-        caption=(
-            f"{opening} of the fibers to the {word} at {zones}, by "
-            f"{word}, for fibers of {initial_angles(results)} (points; line: their mean). "
-            "Bounds over all initial angles would be the whole half turn, as every direction is "
-            "that of some start; the bands hold the middle shares of evenly spread starts, exact "
-            f"by the one linear map that all directions of a {word} share.{near}"
-        ),
-        alt=(
-            f"Charts by {word} of the fibers' angles to it at {zones}, either way: "
-            f"{'; '.join(told)}."
-        ),
-    )

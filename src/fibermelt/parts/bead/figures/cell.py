@@ -18,8 +18,10 @@ from fibermelt.parts.bead.figures.surroundings import (
     draw_fiber,
     net,
     rotation,
+    stored_surroundings,
 )
 from fibermelt.report.kit.drawing import curves, frame, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -33,18 +35,20 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
     round_up,
-    styled,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["cell_words", "figure_cell"]
+__all__ = ["figure_cell"]
 
 TIP, TIP_BOUNDS = 4.0, (0.04, 0.6)
 """Half the width of the tip's close-up over its radius of curvature, and over the half-length."""
 
 MESH = "#5f86ad"
+SHEAR = np.array([[0.0, 1.0], [0.0, 0.0]])
+"""Gradient of simple shear ``u_x = y``."""
+
 ORIENTATIONS = 3601
 """Orientations among which the lowest pressure is sought, every twentieth of a degree."""
 
@@ -64,14 +68,11 @@ class Deepest:
         Lowest surface pressure less the melt's, over ``mu gamma_dot`` [-].
     where : float
         Eccentric angle of it on the surface [rad].
-    strain : (2,) array
-        ``D_11, D_12`` in the fiber's axes over ``gamma_dot`` [-].
     """
 
     angle: float
     pressure: float
     where: float
-    strain: Array
 
 
 def _deepest(results: xr.Dataset) -> Deepest:
@@ -84,11 +85,60 @@ def _deepest(results: xr.Dataset) -> Deepest:
         angle=float(angle[turn]),
         pressure=float(pressure[place, turn]),
         where=float(results["surface_angle"].to_numpy()[place]),
-        strain=strain[:, turn],
     )
 
 
-@styled
+def cell_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    found = _deepest(results)
+    size, aspect = float(results["domain_size"]), float(results["aspect_ratio"])
+    angle, where = np.degrees(found.angle), np.degrees(found.where)
+    if np.isnan(size):
+        cell = (
+            f"a fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
+            "net it is drawn on, in the fiber's axes."
+        )
+    else:
+        cell = (
+            f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
+            f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
+            f"{_meshed(results)}, in the fiber's axes."
+        )
+    # A circle has no direction: where its pressure is lowest, rounding says.
+    lowest = (
+        f"the orientation with the lowest pressure, {found.pressure:.2f} μγ̇ at the eccentric "
+        f"angle {where:.1f}° of the surface"
+        if aspect > 1
+        else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
+    )
+    newtonian = (
+        " All of a Newtonian melt; the pressures of the bead are of the melt as it thins."
+        if "thinning_rate" in results
+        else ""
+    )
+    return Words(
+        caption=(
+            f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
+            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
+            f"melt's own pressure.{newtonian}"
+        ),
+        alt=(
+            f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "
+            "finest at the ellipse. In simple shear the pressure "
+            f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
+            f"eccentric angle {where:.0f}° and at the opposite point of the surface."
+        ),
+    )
+
+
+@plate(
+    "cell",
+    "The fiber's cell",
+    section="shear",
+    words=cell_words,
+    needs="extreme",
+    paper="Fig. 5a and 6a",
+)
 def figure_cell(results: xr.Dataset) -> Figure:
     """Draw the cell's mesh, the pressure around the fiber, and its tip in both."""
     found = _deepest(results)
@@ -153,7 +203,7 @@ def _mesh(axes: Axes, results: xr.Dataset, linewidth: float) -> None:
 def _pressure(axes: Axes, results: xr.Dataset, found: Deepest) -> TriContourSet:
     """Draw the pressure in the flow's axes, the fiber at the orientation found."""
     levels = round_up(-found.pressure) * LEVELS
-    values = results["cell_pressure"].to_numpy() @ found.strain
+    values = stored_surroundings(results).around(SHEAR, found.angle, viscosity=1.0).pressure
     field = draw_contours(axes, net(results, found.angle), values, levels, ATMOSPHERE)
     draw_fiber(axes, results, found.angle)
     return field
@@ -178,46 +228,3 @@ def _meshed(results: xr.Dataset) -> str:
     if study_of(results).get("numerics", {}).get("cell_mesh") == "paper":
         return "The paper's 1800 quadratic triangles, finest at the fiber"
     return "Curved elements, graded to the tip"
-
-
-def cell_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_cell`."""
-    found = _deepest(results)
-    size, aspect = float(results["domain_size"]), float(results["aspect_ratio"])
-    angle, where = np.degrees(found.angle), np.degrees(found.where)
-    if np.isnan(size):
-        cell = (
-            f"a fiber of aspect ratio {aspect:g} in an unbounded melt, in closed form. (a, c) The "
-            "net it is drawn on, in the fiber's axes."
-        )
-    else:
-        cell = (
-            f"the cell of a fiber of aspect ratio {aspect:g}: a circle of {0.5 * size:g} "
-            f"half-lengths around an ellipse, {int(results['cell_unknowns'])} unknowns. (a, c) "
-            f"{_meshed(results)}, in the fiber's axes."
-        )
-    # A circle has no direction: where its pressure is lowest, rounding says.
-    lowest = (
-        f"the orientation with the lowest pressure, {found.pressure:.2f} μγ̇ at the eccentric "
-        f"angle {where:.1f}° of the surface"
-        if aspect > 1
-        else f"as at any other; the lowest pressure is {found.pressure:.2f} μγ̇"
-    )
-    newtonian = (
-        " All of a Newtonian melt; the pressures of the bead are of the melt as it thins."
-        if "thinning_rate" in results
-        else ""
-    )
-    return Words(
-        caption=(
-            f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
-            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
-            f"melt's own pressure.{newtonian}"
-        ),
-        alt=(
-            f"An ellipse {aspect:g} times as long as wide in a circle, and the net between them, "
-            "finest at the ellipse. In simple shear the pressure "
-            f"around it is lowest, {found.pressure:.1f} times viscosity times shear rate, at the "
-            f"eccentric angle {where:.0f}° and at the opposite point of the surface."
-        ),
-    )

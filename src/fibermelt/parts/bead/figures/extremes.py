@@ -9,14 +9,15 @@ from matplotlib.figure import Figure
 
 from fibermelt.parts.bead.figures.spread import draw_spread, extreme_of, spread_key, spread_limits
 from fibermelt.parts.flow.figures.lines import against_paper, at_corners, initial_angles, regular
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MPA
-from fibermelt.report.kit.style import FULL, Words, add_axes, key_above, letter, new_figure, styled
+from fibermelt.report.kit.style import FULL, Words, add_axes, key_above, letter, new_figure
 from fibermelt.report.kit.tables import number, ranged
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["EXTREMES", "extremes_words", "figure_extremes"]
+__all__ = ["EXTREMES", "figure_extremes"]
 
 EXTREMES = (
     ("lowest at Loc. 1", 0, "min"),
@@ -27,7 +28,51 @@ EXTREMES = (
 """The paper's four panels: what they show, the place of the location, the kind."""
 
 
-@styled
+def extremes_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    near = at_corners(
+        results,
+        "Diamonds, left out of lines and scales: streamlines",
+        ", near a singular corner, whose values depend on the mesh; what is off the scale is told "
+        "as a number.",
+    )
+    value = MPA * extreme_of(results, "extreme", 1, "min", "initial_angle")
+    width = np.where(regular(results), np.ptp(value, axis=1), -1.0)
+    widest = int(np.argmax(width))
+    at = int(results["streamline"][widest])
+    beside = against_paper(
+        results,
+        "The paper's text has means of −0.5 MPa in (a), nearly uniform, and of −0.8 MPa at the "
+        "left edge to −0.1 MPa at the right in (b); here they run over "
+        f"{_range(results, 0, 'min')} and {_range(results, 1, 'min')}.",
+    )
+    return Words(
+        caption=(
+            f"Fig. 18 of the paper: extremes of the surface pressure less the melt's own, by "
+            f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median red), "
+            "above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: the "
+            "exact bounds over every orientation, from the mildest to the worst. Narrow band: "
+            f"quantiles of an isotropic start.{near}{_beyond(results)}{beside}"
+        ),
+        alt=(
+            "Four charts by streamline. Away from singular corners the mean over the initial "
+            f"angles runs over {_range(results, 0, 'min')} for the lowest pressure at Loc. 1, "
+            f"{_range(results, 1, 'min')} at Loc. 2, {_range(results, 0, 'max')} for the highest "
+            f"at Loc. 1 and {_range(results, 1, 'max')} at Loc. 2. At Loc. 2 the initial angle "
+            f"matters most on streamline {at}, where lowest pressures differ by "
+            f"{number(np.ptp(value[widest]), 3)} MPa."
+        ),
+    )
+
+
+@plate(
+    "extremes",
+    "Extremes of pressure by streamline",
+    section="fibers",
+    words=extremes_words,
+    needs="extreme node_x",
+    paper="Fig. 18",
+)
 def figure_extremes(results: xr.Dataset) -> Figure:
     """Draw lowest and highest surface pressure less the melt's own, at both locations."""
     figure = new_figure(FULL, 121)
@@ -63,40 +108,3 @@ def _beyond(results: xr.Dataset) -> str:
         if abs(farthest) > max(abs(end) for end in spread_limits(results, kind)):
             told.append(number(farthest, 3))
     return f" Bounds beyond the scales reach {' and '.join(told)} MPa there." if told else ""
-
-
-def extremes_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_extremes`."""
-    near = at_corners(
-        results,
-        "Diamonds, left out of lines and scales: streamlines",
-        ", near a singular corner, whose values depend on the mesh; what is off the scale is told "
-        "as a number.",
-    )
-    value = MPA * extreme_of(results, "extreme", 1, "min", "initial_angle")
-    width = np.where(regular(results), np.ptp(value, axis=1), -1.0)
-    widest = int(np.argmax(width))
-    at = int(results["streamline"][widest])
-    beside = against_paper(
-        results,
-        "The paper's text has means of −0.5 MPa in (a), nearly uniform, and of −0.8 MPa at the "
-        "left edge to −0.1 MPa at the right in (b); here they run over "
-        f"{_range(results, 0, 'min')} and {_range(results, 1, 'min')}.",
-    )
-    return Words(
-        caption=(
-            f"Fig. 18 of the paper: extremes of the surface pressure less the melt's own, by "
-            f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median red), "
-            "above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: the "
-            "exact bounds over every orientation, from the mildest to the worst. Narrow band: "
-            f"quantiles of an isotropic start.{near}{_beyond(results)}{beside}"
-        ),
-        alt=(
-            "Four charts by streamline. Away from singular corners the mean over the initial "
-            f"angles runs over {_range(results, 0, 'min')} for the lowest pressure at Loc. 1, "
-            f"{_range(results, 1, 'min')} at Loc. 2, {_range(results, 0, 'max')} for the highest "
-            f"at Loc. 1 and {_range(results, 1, 'max')} at Loc. 2. At Loc. 2 the initial angle "
-            f"matters most on streamline {at}, where lowest pressures differ by "
-            f"{number(np.ptp(value[widest]), 3)} MPa."
-        ),
-    )

@@ -18,6 +18,7 @@ from fibermelt.fields.simplices import facets, ridges
 from fibermelt.parts.bead.figures.spread import draw_spread, spread_key
 from fibermelt.parts.flow.figures.lines import evenly, features, initial_angles, regular
 from fibermelt.parts.flow.figures.timeline import SIDES, draw_own, on_fibers, own
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Index
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -33,7 +34,6 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
     round_up,
-    styled,
 )
 from fibermelt.report.kit.tables import number, ranged, short
 
@@ -44,9 +44,6 @@ __all__ = [
     "figure_path_extremes",
     "figure_path_histories",
     "figure_paths",
-    "path_extremes_words",
-    "path_histories_words",
-    "paths_words",
 ]
 
 SPARSE = 200
@@ -82,7 +79,36 @@ def _drawn_rows(results: xr.Dataset) -> list[int]:
     return sorted({*even, *(feature.row for feature in features(results))})
 
 
-@styled
+def paths_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    lowest = np.where(regular(results)[:, None], _lowest(results), np.inf)
+    row, at = np.unravel_index(np.argmin(lowest), lowest.shape)
+    names = ("x", "y", "z") if "z" in results else ("x", "y")
+    where = ", ".join(
+        f"{name} = {number(MM * float(results[name].to_numpy()[row, at]), 3)} mm" for name in names
+    )
+    count = results.sizes["streamline"]
+    sides = (
+        " from its side, from above and along the flow; (d) where they end"
+        if "z" in results
+        else ""
+    )
+    return Words(
+        caption=(
+            f"The {count} paths{sides}. Colour: the lowest pressure on the surface of a fiber in "
+            "its worst orientation there and then, above the atmosphere's; red: below it, where a "
+            "void may form."
+        ),
+        alt=(
+            f"{count} paths coloured by the lowest pressure on a fiber, least on path "
+            f"{int(results['streamline'][row])}: {number(lowest[row, at], 3)} MPa at {where}."
+        ),
+    )
+
+
+@plate(
+    "paths", "The paths", section="flow", words=paths_words, needs="extreme field_notes", place=0
+)
 def figure_paths(results: xr.Dataset) -> Figure:
     """Draw the paths, coloured by the lowest pressure on a fiber, and where they end."""
     space = "z" in results
@@ -185,34 +211,33 @@ def _ends(axes: Axes, results: xr.Dataset, lowest: Array, norm: Normalize) -> No
     axes.set_ylabel("y [mm]")
 
 
-def paths_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_paths`."""
-    lowest = np.where(regular(results)[:, None], _lowest(results), np.inf)
-    row, at = np.unravel_index(np.argmin(lowest), lowest.shape)
-    names = ("x", "y", "z") if "z" in results else ("x", "y")
-    where = ", ".join(
-        f"{name} = {number(MM * float(results[name].to_numpy()[row, at]), 3)} mm" for name in names
-    )
-    count = results.sizes["streamline"]
-    sides = (
-        " from its side, from above and along the flow; (d) where they end"
-        if "z" in results
-        else ""
+def path_histories_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    level = results["quantile"].to_numpy()
+    share = f"{100 * level[0]:.0f} to {100 * level[-1]:.0f} %"
+    lowest = _lowest(results)
+    told = "; ".join(
+        f"path {feature.number}: down to {number(lowest[feature.row].min(), 3)} MPa"
+        for feature in features(results)
     )
     return Words(
         caption=(
-            f"The {count} paths{sides}. Colour: the lowest pressure on the surface of a fiber in "
-            "its worst orientation there and then, above the atmosphere's; red: below it, where a "
-            "void may form."
+            "Pressure along marked paths, above the atmosphere's: the melt's own (black), and the "
+            "lowest (red) and highest (blue) on a fiber's surface, from the bounds over every "
+            f"orientation (dashed) and for {share} of fibers of an isotropic start (dark band)."
         ),
-        alt=(
-            f"{count} paths coloured by the lowest pressure on a fiber, least on path "
-            f"{int(results['streamline'][row])}: {number(lowest[row, at], 3)} MPa at {where}."
-        ),
+        alt=f"Charts over time of pressures on fibers, in the worst orientation, {told}.",
     )
 
 
-@styled
+@plate(
+    "path-histories",
+    "Pressure on fibers along paths",
+    section="fibers",
+    words=path_histories_words,
+    needs="extreme field_notes",
+    place=21,
+)
 def figure_path_histories(results: xr.Dataset) -> Figure:
     """Draw the pressure on fibers over time, for each of the marked paths."""
     marked = features(results)
@@ -239,44 +264,8 @@ def figure_path_histories(results: xr.Dataset) -> Figure:
     return figure
 
 
-def path_histories_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_path_histories`."""
-    level = results["quantile"].to_numpy()
-    share = f"{100 * level[0]:.0f} to {100 * level[-1]:.0f} %"
-    lowest = _lowest(results)
-    told = "; ".join(
-        f"path {feature.number}: down to {number(lowest[feature.row].min(), 3)} MPa"
-        for feature in features(results)
-    )
-    return Words(
-        caption=(
-            "Pressure along marked paths, above the atmosphere's: the melt's own (black), and the "
-            "lowest (red) and highest (blue) on a fiber's surface, from the bounds over every "
-            f"orientation (dashed) and for {share} of fibers of an isotropic start (dark band)."
-        ),
-        alt=f"Charts over time of pressures on fibers, in the worst orientation, {told}.",
-    )
-
-
-@styled
-def figure_path_extremes(results: xr.Dataset) -> Figure:
-    """Draw lowest and highest surface pressure less the melt's own by path, at each location."""
-    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
-    figure = new_figure(FULL, 12 + 56 * len(places))
-    for row, place in enumerate(places):
-        for k, kind in enumerate(("min", "max")):
-            axes = add_axes(figure, 13 + 95 * k, 10 + 56 * (len(places) - 1 - row), 80, 43)
-            draw_spread(axes, results, row, kind)
-            letter(axes, f"{'abcd'[2 * row + k]}  {('lowest', 'highest')[k]} {place}")
-            if k == 0:
-                axes.set_ylabel("less the melt's own [MPa]")
-                if row == 0:
-                    key_above(axes, spread_key(results), 1.14, columns=6, between=1.1)
-    return figure
-
-
 def path_extremes_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_path_extremes`."""
+    """Return caption and alternative text."""
     steady = regular(results)
     value = MPA * results["extreme"].mean("initial_angle").transpose("streamline", ...)
     places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
@@ -305,3 +294,27 @@ def path_extremes_words(results: xr.Dataset) -> Words:
             f"{'; '.join(told)}."
         ),
     )
+
+
+@plate(
+    "path-extremes",
+    "Extremes of pressure by path",
+    section="fibers",
+    words=path_extremes_words,
+    needs="extreme field_notes",
+    place=22,
+)
+def figure_path_extremes(results: xr.Dataset) -> Figure:
+    """Draw lowest and highest surface pressure less the melt's own by path, at each location."""
+    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    figure = new_figure(FULL, 12 + 56 * len(places))
+    for row, place in enumerate(places):
+        for k, kind in enumerate(("min", "max")):
+            axes = add_axes(figure, 15 + 95 * k, 10 + 56 * (len(places) - 1 - row), 78, 43)
+            draw_spread(axes, results, row, kind)
+            letter(axes, f"{'abcd'[2 * row + k]}  {('lowest', 'highest')[k]} {place}")
+            if k == 0:
+                axes.set_ylabel("less the melt's own [MPa]")
+                if row == 0:
+                    key_above(axes, spread_key(results), 1.14, columns=6, between=1.1)
+    return figure

@@ -15,14 +15,8 @@ from fibermelt.parts.bead.figures.extremes import EXTREMES
 from fibermelt.parts.bead.figures.spread import extreme_of, spread_limits
 from fibermelt.parts.flow.figures.lines import against_paper, at_corners, initial_angles, regular
 from fibermelt.parts.flow.figures.streamlines import draw_zones
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_metal,
-    draw_outline,
-    frame,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, frame, scale_bar, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
     FULL,
@@ -36,14 +30,13 @@ from fibermelt.report.kit.style import (
     key_mark,
     letter,
     new_figure,
-    styled,
 )
 from fibermelt.report.kit.tables import sized
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_positions", "positions_words", "worst_places"]
+__all__ = ["figure_positions", "worst_places"]
 
 BETWEEN, FOOT, HEAD = 2.5, 1.5, 19.0
 """Room between panels, and below and above them [mm]."""
@@ -54,7 +47,64 @@ MOST_POINTS = 2000
 """More fibers than this to a panel are painted in dots inside SVG."""
 
 
-@styled
+def positions_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    scene = read_scene(results)
+    top, lips = _window(results, scene).top, scene.lips[0, 1]
+    y = MM * results["extreme_y"].to_numpy()
+    steady = regular(results)
+    mean = {
+        (location, kind): MM
+        * extreme_of(results, "extreme_y", location, kind, "initial_angle")[steady].mean(axis=1)
+        for _, location, kind in EXTREMES
+    }
+    outside = int(np.count_nonzero(y > top))
+    left_out = (
+        f" Above the frame, up to y = {sized(y.max(), scene.width)} mm, lie {outside} of {y.size}."
+        if outside
+        else ""
+    )
+    above = mean[0, "min"] - scene.capillary_entrance
+    below = lips - mean[1, "max"]
+
+    def apart(values: Array) -> str:
+        low, high = (sized(end, scene.width) for end in (values.min(), values.max()))
+        return f"{low} to {high}"
+
+    beside = against_paper(
+        results,
+        "The paper's text has (d) about 0.5 mm below the exit, nearly evenly; here the means lie "
+        f"{apart(below)} mm below it.",
+    )
+    near = at_corners(
+        results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
+    )
+    return Words(
+        caption=(
+            f"Fig. 19 of the paper: where fibers of {initial_angles(results)} meet the extremes of "
+            "pressure on their surface, less the melt's own, on all streamlines; dashed: zones. "
+            "Crosses: where the bound over every orientation is reached, on some at mid-capillary, "
+            f"where Loc. 1 ends and Loc. 2 begins.{near} The exact range of the places over all "
+            f"initial angles is not stored.{left_out}{beside}"
+        ),
+        alt=(
+            "Four outlines of the capillary and the gap with a point for every fiber. Mean places "
+            f"by streamline: the lowest pressure at Loc. 1 {apart(above)} mm "
+            "above the capillary's entrance; at Loc. 2 from y = "
+            f"{apart(mean[1, 'min'])} mm, the exit being at {sized(lips, scene.width)} mm; the "
+            f"highest at Loc. 2 {apart(below)} mm below the exit."
+        ),
+    )
+
+
+@plate(
+    "positions",
+    "Where the extremes lie",
+    section="fibers",
+    words=positions_words,
+    needs="extreme node_x",
+    paper="Fig. 19",
+)
 def figure_positions(results: xr.Dataset) -> Figure:
     """Draw where the extremes lie, coloured by their size, and where the bounds are reached."""
     scene = read_scene(results)
@@ -66,9 +116,7 @@ def figure_positions(results: xr.Dataset) -> Figure:
     norm = Normalize(0.0, most)
     for k, (name, location, kind) in enumerate(EXTREMES):
         axes = scene_axes(figure, 1.0 + k * (wide + BETWEEN), FOOT, wide, window)
-        draw_metal(axes, scene)
-        draw_bed(axes, window)
-        draw_outline(axes, scene, fill=True)
+        draw_bead(axes, scene, window)
         draw_zones(axes, results)
         _places(axes, results, location, kind, norm)
         frame(axes)
@@ -151,53 +199,3 @@ def _key() -> list[Line2D]:
         Line2D([], [], color=VERMILION, linewidth=1.1, label="mean over the initial angles"),
         key_mark("x", "where the bound is reached", INK, 3),
     ]
-
-
-def positions_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_positions`."""
-    scene = read_scene(results)
-    top, lips = _window(results, scene).top, scene.lips[0, 1]
-    y = MM * results["extreme_y"].to_numpy()
-    steady = regular(results)
-    mean = {
-        (location, kind): MM
-        * extreme_of(results, "extreme_y", location, kind, "initial_angle")[steady].mean(axis=1)
-        for _, location, kind in EXTREMES
-    }
-    outside = int(np.count_nonzero(y > top))
-    left_out = (
-        f" Above the frame, up to y = {sized(y.max(), scene.width)} mm, lie {outside} of {y.size}."
-        if outside
-        else ""
-    )
-    above = mean[0, "min"] - scene.capillary_entrance
-    below = lips - mean[1, "max"]
-
-    def apart(values: Array) -> str:
-        low, high = (sized(end, scene.width) for end in (values.min(), values.max()))
-        return f"{low} to {high}"
-
-    beside = against_paper(
-        results,
-        "The paper's text has (d) about 0.5 mm below the exit, nearly evenly; here the means lie "
-        f"{apart(below)} mm below it.",
-    )
-    near = at_corners(
-        results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
-    )
-    return Words(
-        caption=(
-            f"Fig. 19 of the paper: where fibers of {initial_angles(results)} meet the extremes of "
-            "pressure on their surface, less the melt's own, on all streamlines; dashed: zones. "
-            "Crosses: where the bound over every orientation is reached, on some at mid-capillary, "
-            f"where Loc. 1 ends and Loc. 2 begins.{near} The exact range of the places over all "
-            f"initial angles is not stored.{left_out}{beside}"
-        ),
-        alt=(
-            "Four outlines of the capillary and the gap with a point for every fiber. Mean places "
-            f"by streamline: the lowest pressure at Loc. 1 {apart(above)} mm "
-            "above the capillary's entrance; at Loc. 2 from y = "
-            f"{apart(mean[1, 'min'])} mm, the exit being at {sized(lips, scene.width)} mm; the "
-            f"highest at Loc. 2 {apart(below)} mm below the exit."
-        ),
-    )

@@ -33,6 +33,7 @@ from fibermelt.parts.flow.figures.timeline import (
     span,
 )
 from fibermelt.report.kit.drawing import scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Window
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -48,14 +49,13 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
     round_up,
-    styled,
 )
 from fibermelt.report.kit.tables import number, ranged
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_history", "history_words"]
+__all__ = ["figure_history"]
 
 MICRO = 1e6
 """Micrometres in a metre."""
@@ -77,6 +77,9 @@ ARROWS = 11
 
 CLEAR = 1.12
 """Arrows begin this much outside the fiber, over its size: its own motion is not drawn."""
+
+
+THINS = "In a melt that thins the flow around a fiber is no sum of stored ones: it is not drawn. "
 
 
 def _start(results: xr.Dataset, side: Side) -> int:
@@ -106,7 +109,46 @@ def _is_superposed(results: xr.Dataset) -> bool:
     return "thinning_rate" not in results
 
 
-@styled
+def history_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    feature = center_feature(results)
+    at = {
+        side: results.isel(streamline=feature.row, initial_angle=_start(results, side))
+        for side in STARTS
+    }
+    low, high = (
+        at[side].sel(kind=SIDES[side][0])["extreme_pressure"].to_numpy() * MPA for side in STARTS
+    )
+    beside = against_paper(
+        results,
+        "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
+        f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
+    )
+    around = _around_in_words(results) if _is_superposed(results) else Words(THINS, "")
+    return Words(
+        caption=(
+            f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
+            f"that enters at {_degrees(results, 'lowest'):g}°, (b) highest on the one that enters "
+            f"at {_degrees(results, 'highest'):g}°, with the melt's own pressure; "
+            "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
+            f"{around.caption}The quiet ends are left out.{beside}"
+        ).replace(" -", " −"),
+        alt=(
+            f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "
+            f"{number(low[1], 3)} MPa at Loc. 2, the highest on the other {number(high[0], 3)} and "
+            f"{number(high[1], 3)} MPa, all against the atmosphere's.{around.alt}"
+        ),
+    )
+
+
+@plate(
+    "history",
+    "Pressure on a fiber along a streamline",
+    section="fibers",
+    words=history_words,
+    needs="extreme node_x",
+    paper="Fig. 16",
+)
 def figure_history(results: xr.Dataset) -> Figure:
     """Draw one fiber's lowest and another's highest pressure over time, and the melt around one."""
     around = AROUND if _is_superposed(results) else 0.0
@@ -257,38 +299,6 @@ def _finish(axes: Axes, results: xr.Dataset, instant: Instant) -> None:
         tuple(np.array([-0.86, -0.86]) * radius + 0.14 * radius * way),
         xytext=tuple(np.array([-0.86, -0.86]) * radius - 0.14 * radius * way),
         arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": INK},
-    )
-
-
-def history_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_history`."""
-    feature = center_feature(results)
-    at = {
-        side: results.isel(streamline=feature.row, initial_angle=_start(results, side))
-        for side in STARTS
-    }
-    low, high = (
-        at[side].sel(kind=SIDES[side][0])["extreme_pressure"].to_numpy() * MPA for side in STARTS
-    )
-    beside = against_paper(
-        results,
-        "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
-        f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
-    )
-    around = _around_in_words(results) if _is_superposed(results) else Words("", "")
-    return Words(
-        caption=(
-            f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
-            f"that enters at {_degrees(results, 'lowest'):g}°, (b) highest on the one that enters "
-            f"at {_degrees(results, 'highest'):g}°, with the melt's own pressure; "
-            "upright lines: ΔP at Loc. 1 and 2; bands: to the bound over every orientation. "
-            f"{around.caption}The quiet ends are left out.{beside}"
-        ).replace(" -", " −"),
-        alt=(
-            f"The lowest pressure on the fiber is {number(low[0], 3)} MPa at Loc. 1 and "
-            f"{number(low[1], 3)} MPa at Loc. 2, the highest on the other {number(high[0], 3)} and "
-            f"{number(high[1], 3)} MPa, all against the atmosphere's.{around.alt}"
-        ),
     )
 
 

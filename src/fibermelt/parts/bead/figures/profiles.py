@@ -28,27 +28,27 @@ from fibermelt.parts.flow.figures.timeline import (
     on_fibers,
     span,
 )
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
     FULL,
     GREY,
     INK,
     Array,
+    Roomy,
     Words,
     add_axes,
     color_bar,
     key_mark,
     letter,
     new_figure,
-    styled,
 )
 from fibermelt.report.kit.tables import number
-from fibermelt.report.kit.ticks import Roomy
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_profiles", "profiles_words", "relative_angle"]
+__all__ = ["figure_profiles", "relative_angle"]
 
 LEFT, RIGHT, BETWEEN, FOOT, TALL, HEAD = 14.0, 2.0, 5.0, 9.0, 42.0, 19.0
 """Margins, room between panels, heights of foot, panels and head [mm]."""
@@ -77,7 +77,57 @@ def relative_angle(results: xr.Dataset, row: int) -> Array:
     return found
 
 
-@styled
+def profiles_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    marked = features(results)
+    numbers = ", ".join(str(feature.number) for feature in marked)
+    told = []
+    for feature in marked:
+        low = on_fibers(results, "lowest", feature.row)
+        end = np.abs(relative_angle(results, feature.row)[:, -1])
+        told.append(
+            f"on streamline {feature.number} the lowest is {number(low.min(), 3)} MPa, and at "
+            f"the end the fibers lie within {end.max():.0f}° of the streamline, half of them "
+            f"within {np.median(end):.0f}°"
+        )
+    stay = np.diff(results["zone_time"].to_numpy())[:, 1]
+    stays = ", ".join(f"{number(stay[feature.row], 3)} s" for feature in marked)
+    # Both ways across: entering angles are stored in radians, rounded at most in the last digit.
+    across = np.isclose(np.abs(results["initial_angle"].to_numpy()), 0.5 * np.pi)
+    same = " Fibers that enter at ±90° are the same fiber." if across.sum() > 1 else ""
+    beside = against_paper(
+        results,
+        "The paper's text has fibers on its center streamline depend most on the initial angle, "
+        "and the time between zones 2 and 3 grow from the right edge to the left; here it is "
+        f"{stays} on streamlines {numbers}.",
+    )
+    return Words(
+        caption=(
+            f"Fig. 17 of the paper: streamlines {numbers}, fibers of {initial_angles(results)}. "
+            "From above: lowest and highest pressure on the fiber, against the atmosphere's; angle "
+            "to the streamline, each curve shifted by half turns so that it ends within 90°, as "
+            "the paper does. Bands reach from the melt's own pressure to the bound over every "
+            "orientation; angles have no such bound, as every direction is at all times that of "
+            f"some fiber.{same} Each streamline has its own "
+            "time scale, from where something happens to behind zone 3."
+            f"{beside}"
+        ),
+        alt=(
+            f"Three panels over time for each of the streamlines {numbers}: "
+            + "; ".join(told)
+            + "."
+        ),
+    )
+
+
+@plate(
+    "profiles",
+    "Pressure and orientation over time",
+    section="fibers",
+    words=profiles_words,
+    needs="extreme node_x",
+    paper="Fig. 17",
+)
 def figure_profiles(results: xr.Dataset) -> Figure:
     """Draw lowest and highest pressure and relative angle, a column for each marked streamline."""
     marked = features(results)
@@ -169,46 +219,3 @@ def _panel(axes: Axes, results: xr.Dataset, feature: Feature, what: str) -> None
     # Over ±90 degrees the same fiber enters twice: the first stays in sight.
     for k in reversed(range(len(start))):
         axes.plot(time, values[k], color=HUES(shade[k]), linewidth=0.7, zorder=2)
-
-
-def profiles_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_profiles`."""
-    marked = features(results)
-    numbers = ", ".join(str(feature.number) for feature in marked)
-    told = []
-    for feature in marked:
-        low = on_fibers(results, "lowest", feature.row)
-        end = np.abs(relative_angle(results, feature.row)[:, -1])
-        told.append(
-            f"on streamline {feature.number} the lowest is {number(low.min(), 3)} MPa, and at "
-            f"the end the fibers lie within {end.max():.0f}° of the streamline, half of them "
-            f"within {np.median(end):.0f}°"
-        )
-    stay = np.diff(results["zone_time"].to_numpy())[:, 1]
-    stays = ", ".join(f"{number(stay[feature.row], 3)} s" for feature in marked)
-    # Both ways across: entering angles are stored in radians, rounded at most in the last digit.
-    across = np.isclose(np.abs(results["initial_angle"].to_numpy()), 0.5 * np.pi)
-    same = " Fibers that enter at ±90° are the same fiber." if across.sum() > 1 else ""
-    beside = against_paper(
-        results,
-        "The paper's text has fibers on its center streamline depend most on the initial angle, "
-        "and the time between zones 2 and 3 grow from the right edge to the left; here it is "
-        f"{stays} on streamlines {numbers}.",
-    )
-    return Words(
-        caption=(
-            f"Fig. 17 of the paper: streamlines {numbers}, fibers of {initial_angles(results)}. "
-            "From above: lowest and highest pressure on the fiber, against the atmosphere's; angle "
-            "to the streamline, each curve shifted by half turns so that it ends within 90°, as "
-            "the paper does. Bands reach from the melt's own pressure to the bound over every "
-            "orientation; angles have no such bound, as every direction is at all times that of "
-            f"some fiber.{same} Each streamline has its own "
-            "time scale, from where something happens to behind zone 3."
-            f"{beside}"
-        ),
-        alt=(
-            f"Three panels over time for each of the streamlines {numbers}: "
-            + "; ".join(told)
-            + "."
-        ),
-    )

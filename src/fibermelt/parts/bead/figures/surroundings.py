@@ -14,6 +14,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patches import Polygon
 from matplotlib.tri import Triangulation, TriContourSet
 
+from fibermelt.fiber.surroundings import Surroundings
 from fibermelt.report.kit.drawing import plain
 from fibermelt.report.kit.style import INK, Array
 
@@ -29,6 +30,7 @@ __all__ = [
     "net",
     "read_instant",
     "rotation",
+    "stored_surroundings",
 ]
 
 FIBER = "#f4ead2"
@@ -83,13 +85,15 @@ def draw_contours(
     return field
 
 
+def stored_surroundings(results: xr.Dataset) -> Surroundings:
+    """Return the two flows around the fiber as they are stored."""
+    names = ("point", "triangle", "edge", "velocity", "pressure")
+    return Surroundings(*(results[f"cell_{name}"].to_numpy() for name in names))
+
+
 @dataclass(frozen=True, eq=False)
 class Instant:
-    """The flow around one fiber at one instant, by superposition of the cell's two flows.
-
-    In the fiber's axes, with ``D`` and ``w = (L_21 - L_12)/2`` of the melt there,
-    ``v = v_psi + a (D_11 U_1 + D_12 U_2 + w (-y, x))``, ``p = p_psi + mu (D_11 P_1 + D_12 P_2)``:
-    the fiber moves with the melt and turns at ``w + B D_12``.
+    """The flow around one fiber at one instant.
 
     Parameters
     ----------
@@ -127,7 +131,7 @@ class Instant:
 def read_instant(
     results: xr.Dataset, row: int, fiber: int, point: int, half_length: float
 ) -> Instant:
-    """Superpose the flow around a fiber in a Newtonian melt of the streamline's viscosity.
+    """Return the flow around a fiber in a Newtonian melt of the streamline's viscosity.
 
     Parameters
     ----------
@@ -138,25 +142,17 @@ def read_instant(
     half_length : float
         Of the fiber [m].
     """
-
-    def there(name: str) -> Array:
-        values: Array = results[name].to_numpy()[row]
-        return values
-
-    angle = float(there("angle")[fiber, point])
-    turn = rotation(angle)
-    L = turn.T @ there("gradient")[point] @ turn
-    strain = np.array([0.5 * (L[0, 0] - L[1, 1]), 0.5 * (L[0, 1] + L[1, 0])])
-    spin = 0.5 * (L[1, 0] - L[0, 1])
-    place = results["cell_point"].to_numpy()
-    local = np.einsum("nmi,m->ni", results["cell_velocity"].to_numpy(), strain)
-    local += spin * np.stack([-place[:, 1], place[:, 0]], axis=-1)
+    at = results.isel(streamline=row, initial_angle=fiber, point=point)
+    angle = float(at["angle"])
+    flow = stored_surroundings(results).around(
+        at["gradient"].to_numpy(), angle, float(at["viscosity"])
+    )
     return Instant(
-        time=float(there("time")[point]),
+        time=float(at["time"]),
         angle=angle,
-        elevation=float(there("elevation")[fiber, point]) if "elevation" in results else 0.0,
-        own=float(there("pressure")[point]),
-        melt=np.array([there("u")[point], there("v")[point]]),
-        around=half_length * local @ turn.T,
-        pressure=float(there("viscosity")[point]) * results["cell_pressure"].to_numpy() @ strain,
+        elevation=float(at["elevation"]) if "elevation" in at else 0.0,
+        own=float(at["pressure"]),
+        melt=np.array([float(at["u"]), float(at["v"])]),
+        around=half_length * flow.velocity,
+        pressure=flow.pressure,
     )

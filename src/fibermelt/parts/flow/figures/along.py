@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from fibermelt.parts.flow.figures.lines import ZONES, features, rest
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM
 from fibermelt.report.kit.style import (
     BAND,
@@ -23,20 +24,52 @@ from fibermelt.report.kit.style import (
     key_mark,
     letter,
     new_figure,
-    styled,
 )
 from fibermelt.report.kit.tables import number, ranged
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["along_words", "figure_along"]
+__all__ = ["figure_along"]
 
 MARKS = ("o", "s", "D")
 """Marks of zones 1 to 3 on a line."""
 
 
-@styled
+def along_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    speed = MM * np.hypot(results["u"].to_numpy(), results["v"].to_numpy())
+    rate = results["shear_rate"].to_numpy()
+    end = results["time"].to_numpy()[:, -1]
+    peak = ", ".join(
+        f"{number(rate[feature.row].max(), 3)} 1/s on streamline {feature.number}"
+        for feature in features(results)
+    )
+    return Words(
+        caption=(
+            "Fig. 3 of the paper: (a) speed and (b) scalar rate of deformation that the melt meets "
+            "along all streamlines, against the time since the inlet. Marks: zones 1 to 3 on the "
+            f"marked streamlines. The slowest line goes on to {number(end.max(), 3)} s, off the "
+            "scale."
+        ),
+        alt=(
+            "Two panels of curves over time. Speed rises in the taper, is steady in the capillary, "
+            f"peaks at {number(speed.max(), 3)} mm/s and settles at the bed's "
+            f"{number(speed[:, -1].mean(), 3)} mm/s. The rate of deformation peaks near the "
+            f"nozzle's exit ({peak}) and dies out in the bead. The way takes from "
+            f"{ranged(end.min(), end.max())} s."
+        ),
+    )
+
+
+@plate(
+    "along",
+    "Speed and deformation along streamlines",
+    section="flow",
+    words=along_words,
+    needs="extreme node_x",
+    paper="Fig. 3",
+)
 def figure_along(results: xr.Dataset) -> Figure:
     """Draw speed and scalar rate of deformation against the time since the inlet."""
     speed = MM * np.hypot(results["u"].to_numpy(), results["v"].to_numpy())
@@ -94,29 +127,3 @@ def _key(results: xr.Dataset) -> list[Line2D]:
     filled = [*lines, *[empty] * (len(zones) - len(lines))]
     columns = [handle for pair in zip(filled, zones, strict=False) for handle in pair]
     return [*columns, others, empty, *lines[len(zones) :]]
-
-
-def along_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_along`."""
-    speed = MM * np.hypot(results["u"].to_numpy(), results["v"].to_numpy())
-    rate = results["shear_rate"].to_numpy()
-    end = results["time"].to_numpy()[:, -1]
-    peak = ", ".join(
-        f"{number(rate[feature.row].max(), 3)} 1/s on streamline {feature.number}"
-        for feature in features(results)
-    )
-    return Words(
-        caption=(
-            "Fig. 3 of the paper: (a) speed and (b) scalar rate of deformation that the melt meets "
-            "along all streamlines, against the time since the inlet. Marks: zones 1 to 3 on the "
-            f"marked streamlines. The slowest line goes on to {number(end.max(), 3)} s, off the "
-            "scale."
-        ),
-        alt=(
-            "Two panels of curves over time. Speed rises in the taper, is steady in the capillary, "
-            f"peaks at {number(speed.max(), 3)} mm/s and settles at the bed's "
-            f"{number(speed[:, -1].mean(), 3)} mm/s. The rate of deformation peaks near the "
-            f"nozzle's exit ({peak}) and dies out in the bead. The way takes from "
-            f"{ranged(end.min(), end.max())} s."
-        ),
-    )

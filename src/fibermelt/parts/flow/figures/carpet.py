@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,10 +73,29 @@ def weave(results: xr.Dataset) -> Carpet | None:
     nowhere beyond the values around, and the same whether neighbours run side by side or one turns
     early and the other goes around it.
     """
-    time, x, y = (results[name].to_numpy() for name in ("time", "x", "y"))
-    count = len(time)
+    lines = np.stack([results[name].to_numpy() for name in ("time", "x", "y")])
+    count = lines.shape[1]
     if count < 2:
         return None
+    scene = read_scene(results)
+    return _woven(lines.tobytes(), count, (scene.exit, scene.whole))
+
+
+@lru_cache(maxsize=1)
+def _woven(stored: bytes, count: int, windows: tuple[Window, Window]) -> Carpet:
+    """Return the carpet of lines; kept, as several figures of the same results are painted on it.
+
+    Parameters
+    ----------
+    stored : bytes
+        Times and places x, y of the streamlines, (3, count, points).
+    count : int
+        Streamlines.
+    windows : tuple of Window
+        On the exit and on the whole.
+    """
+    time, x, y = np.frombuffer(stored).reshape(3, count, -1)
+    exit_, _ = windows
     rows = np.unique(np.linspace(0, count - 1, min(count, MOST_LINES)).round().astype(np.intp))
     passing, lines = [], []
     for row in rows:
@@ -86,10 +106,9 @@ def weave(results: xr.Dataset) -> Carpet | None:
     # The hull is convex, the melt is not: what lies beyond the outer lines is left out.
     rim = Path(np.vstack([lines[0], lines[-1][::-1]]))
     held = np.vstack(lines)
-    scene = read_scene(results)
-    lattices = [_lattice(window, rim) for window in (scene.exit, scene.whole)]
-    beyond = (lattices[1] < [scene.exit.left, scene.exit.bottom]).any(axis=1)
-    beyond |= (lattices[1] > [scene.exit.right, scene.exit.top]).any(axis=1)
+    lattices = [_lattice(window, rim) for window in windows]
+    beyond = (lattices[1] < [exit_.left, exit_.bottom]).any(axis=1)
+    beyond |= (lattices[1] > [exit_.right, exit_.top]).any(axis=1)
     free = np.vstack([_clear(held, lattices[0]), _clear(held, lattices[1][beyond])])
     points = np.vstack([held, free])
     corners = _triangles(points, rim)

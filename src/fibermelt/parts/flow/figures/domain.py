@@ -9,24 +9,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_mesh,
-    draw_metal,
-    draw_outline,
     frame,
     main_scene,
     mark_window,
     scale_bar,
     scene_axes,
 )
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, Scene, Window, bed_speed, read_scene
-from fibermelt.report.kit.style import VERMILION, Words, letter, styled
+from fibermelt.report.kit.style import VERMILION, Words, letter
 from fibermelt.report.kit.tables import number, short, sized
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["domain_words", "figure_domain"]
+__all__ = ["figure_domain"]
 
 MESH = "#5f86ad"
 
@@ -37,7 +36,40 @@ BETWEEN, CLOSE_UPS = 3.0, 35.0
 """Room between the close-ups, and their height with their names [mm]."""
 
 
-@styled
+def domain_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    scene = read_scene(results)
+    elements, unknowns = int(results["elements"]), int(results["unknowns"])
+    contact, heel = (
+        sized(MM * float(results[name]), scene.width, 4) for name in ("contact_point", "heel")
+    )
+    return Words(
+        caption=(
+            "Fig. 2a of the paper: fluid domain, its boundaries and its mesh. Parabolic inlet flow "
+            "on Γ₁, no slip on the nozzle's wall Γ₂, free surfaces Γ₃ whose shape is part of the "
+            "answer, the speed of the bed on Γ₄ and on the outlet Γ₅. "
+            f"{elements} curved triangles, {unknowns} unknowns. The upstream surface meets the "
+            f"bed at x = {contact} mm, also part of the answer; the melt's foremost "
+            f"point lies at x = {heel} mm. Red squares: where the flow is singular, drawn large."
+        ),
+        alt=(
+            "Cross-section of a nozzle that narrows to a capillary over a moving bed. Melt fills "
+            f"the nozzle and the gap and leaves to the right as a bead "
+            f"{number(scene.bead_height, 3)} mm high; upstream it reaches x = {heel} mm. The "
+            "triangles of the mesh are "
+            "finest at the two lips and where the upstream surface touches the bed."
+        ),
+    )
+
+
+@plate(
+    "domain",
+    "Fluid domain and mesh",
+    section="flow",
+    words=domain_words,
+    needs="extreme node_x",
+    paper="Fig. 2a",
+)
 def figure_domain(results: xr.Dataset) -> Figure:
     """Draw domain, boundaries and mesh, with close-ups of the gap, the lips and the contact."""
     scene = read_scene(results)
@@ -72,9 +104,7 @@ def figure_domain(results: xr.Dataset) -> Figure:
 
 
 def _paint(axes: Axes, scene: Scene, window: Window, linewidth: float) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     draw_mesh(axes, scene, window, MESH, linewidth)
 
 
@@ -122,29 +152,3 @@ def _boundaries(axes: Axes, scene: Scene, results: xr.Dataset) -> None:
             arrowprops=leader if text.startswith(r"$\Gamma_2$") else None,
             zorder=6,
         )
-
-
-def domain_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_domain`."""
-    scene = read_scene(results)
-    elements, unknowns = int(results["elements"]), int(results["unknowns"])
-    contact, heel = (
-        sized(MM * float(results[name]), scene.width, 4) for name in ("contact_point", "heel")
-    )
-    return Words(
-        caption=(
-            "Fig. 2a of the paper: fluid domain, its boundaries and its mesh. Parabolic inlet flow "
-            "on Γ₁, no slip on the nozzle's wall Γ₂, free surfaces Γ₃ whose shape is part of the "
-            "answer, the speed of the bed on Γ₄ and on the outlet Γ₅. "
-            f"{elements} curved triangles, {unknowns} unknowns. The upstream surface meets the "
-            f"bed at x = {contact} mm, also part of the answer; the melt's foremost "
-            f"point lies at x = {heel} mm. Red squares: where the flow is singular, drawn large."
-        ),
-        alt=(
-            "Cross-section of a nozzle that narrows to a capillary over a moving bed. Melt fills "
-            f"the nozzle and the gap and leaves to the right as a bead "
-            f"{number(scene.bead_height, 3)} mm high; upstream it reaches x = {heel} mm. The "
-            "triangles of the mesh are "
-            "finest at the two lips and where the upstream surface touches the bed."
-        ),
-    )

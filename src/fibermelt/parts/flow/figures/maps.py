@@ -10,15 +10,8 @@ from matplotlib.collections import TriMesh
 from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from fibermelt.report.kit.drawing import (
-    draw_bed,
-    draw_field,
-    draw_metal,
-    draw_outline,
-    frame,
-    scale_bar,
-    scene_axes,
-)
+from fibermelt.report.kit.drawing import draw_bead, draw_field, frame, scale_bar, scene_axes
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, by_area, read_scene
 from fibermelt.report.kit.style import (
     ATMOSPHERE,
@@ -33,14 +26,13 @@ from fibermelt.report.kit.style import (
     new_figure,
     round_up,
     share_within,
-    styled,
 )
 from fibermelt.report.kit.tables import number, short
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["figure_gradients", "figure_maps", "gradients_words", "maps_words"]
+__all__ = ["figure_gradients", "figure_maps"]
 
 SHARE = 0.98
 """Share of the drawn area whose values lie within a colour scale: the rest is near a corner, where
@@ -68,14 +60,40 @@ GRADIENTS = (
 def _map(
     axes: Axes, scene: Scene, window: Window, values: Array, norm: Normalize, cmap: str
 ) -> TriMesh:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene)
+    draw_bead(axes, scene, window, fill=False)
     frame(axes)
     return draw_field(axes, scene, window, values, norm, cmap)
 
 
-@styled
+def maps_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    speed = _scalars(results)[0]
+    inlet = MPA * float(results["inlet_pressure"])
+    return Words(
+        caption=(
+            "The flow in the whole domain and, larger, near the nozzle's exit: (a) speed, (b) "
+            "scalar rate of deformation on a logarithmic scale, (c) pressure of the melt above the "
+            "atmosphere's, red where the melt itself is below it (mind the two "
+            "halves of the scale). Arrow-shaped ends of a scale: there is more beyond it, at the "
+            "corners without bound."
+        ),
+        alt=(
+            f"Three maps. The speed is highest in the capillary, {number(speed.max(), 3)} mm/s, "
+            "low at the wall and uniform in the bead. The rate of deformation is high along the "
+            "capillary's walls and around the lips and vanishes in the bead. The pressure falls "
+            f"from {number(inlet, 3)} MPa at the inlet along the capillary to nothing in the bead."
+        ),
+    )
+
+
+@plate(
+    "maps",
+    "Speed, rate of deformation and pressure",
+    section="flow",
+    words=maps_words,
+    needs="extreme node_x",
+    place=3.5,
+)
 def figure_maps(results: xr.Dataset) -> Figure:
     """Draw speed, rate of deformation and pressure over the whole domain and near the exit."""
     scene = read_scene(results)
@@ -133,7 +151,35 @@ def _pressure_limit(results: xr.Dataset) -> float:
     return round_up(MPA * float(results["inlet_pressure"]))
 
 
-@styled
+def gradients_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    normal, shear = _gradient_limits(results, read_scene(results))
+    return Words(
+        caption=(
+            "Fig. 4 of the paper: velocity gradient near the nozzle's exit. Scales are symmetric "
+            f"and shared: ±{short(normal)} 1/s for (a) and (d), which sum to zero, "
+            f"±{short(shear)} 1/s "
+            f"for (b) and (c). At least {100 * SHARE:.0f} % of the area in each panel lies within; "
+            "the rest is painted in the scale's last colours: at the lips and at the contact point "
+            "the gradient is singular, and what is computed there depends on the mesh."
+        ),
+        alt=(
+            "Four maps of the capillary's end and the gap. In the capillary only the change of the "
+            "vertical speed across it (b) counts, with opposite signs at the two walls. In the gap "
+            "the melt is stretched along the bed (a) and pressed against it (d). All components "
+            "are largest at the two lips and at the contact point and fade in the bead downstream."
+        ),
+    )
+
+
+@plate(
+    "gradients",
+    "Velocity gradient near the exit",
+    section="flow",
+    words=gradients_words,
+    needs="extreme node_x",
+    paper="Fig. 4",
+)
 def figure_gradients(results: xr.Dataset) -> Figure:
     """Draw the four components of the velocity gradient near the nozzle's exit."""
     scene = read_scene(results)
@@ -165,45 +211,3 @@ def _gradient_limits(results: xr.Dataset, scene: Scene) -> tuple[float, float]:
         ends = [share_within(*by_area(scene, L[:, i, j], scene.exit), SHARE) for i, j in pair]
         limits.append(round_up(max(ends)))
     return limits[0], limits[1]
-
-
-def maps_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_maps`."""
-    speed = _scalars(results)[0]
-    inlet = MPA * float(results["inlet_pressure"])
-    return Words(
-        caption=(
-            "The flow in the whole domain and, larger, near the nozzle's exit: (a) speed, (b) "
-            "scalar rate of deformation on a logarithmic scale, (c) pressure of the melt above the "
-            "atmosphere's, red where the melt itself is below it (mind the two "
-            "halves of the scale). Arrow-shaped ends of a scale: there is more beyond it, at the "
-            "corners without bound."
-        ),
-        alt=(
-            f"Three maps. The speed is highest in the capillary, {number(speed.max(), 3)} mm/s, "
-            "low at the wall and uniform in the bead. The rate of deformation is high along the "
-            "capillary's walls and around the lips and vanishes in the bead. The pressure falls "
-            f"from {number(inlet, 3)} MPa at the inlet along the capillary to nothing in the bead."
-        ),
-    )
-
-
-def gradients_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_gradients`."""
-    normal, shear = _gradient_limits(results, read_scene(results))
-    return Words(
-        caption=(
-            "Fig. 4 of the paper: velocity gradient near the nozzle's exit. Scales are symmetric "
-            f"and shared: ±{short(normal)} 1/s for (a) and (d), which sum to zero, "
-            f"±{short(shear)} 1/s "
-            f"for (b) and (c). At least {100 * SHARE:.0f} % of the area in each panel lies within; "
-            "the rest is painted in the scale's last colours: at the lips and at the contact point "
-            "the gradient is singular, and what is computed there depends on the mesh."
-        ),
-        alt=(
-            "Four maps of the capillary's end and the gap. In the capillary only the change of the "
-            "vertical speed across it (b) counts, with opposite signs at the two walls. In the gap "
-            "the melt is stretched along the bed (a) and pressed against it (d). All components "
-            "are largest at the two lips and at the contact point and fade in the bead downstream."
-        ),
-    )

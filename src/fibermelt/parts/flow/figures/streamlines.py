@@ -11,10 +11,8 @@ from matplotlib.lines import Line2D
 
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, at_time, features, named, rest
 from fibermelt.report.kit.drawing import (
-    draw_bed,
+    draw_bead,
     draw_bed_motion,
-    draw_metal,
-    draw_outline,
     frame,
     main_scene,
     mark_window,
@@ -24,6 +22,7 @@ from fibermelt.report.kit.drawing import (
     spread_out,
     zone_badge,
 )
+from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
     GREY,
@@ -34,14 +33,13 @@ from fibermelt.report.kit.style import (
     add_axes,
     key_mark,
     letter,
-    styled,
 )
 from fibermelt.report.kit.tables import number
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["draw_zones", "figure_streamlines", "streamlines_words"]
+__all__ = ["draw_zones", "figure_streamlines"]
 
 PLACES = (("o", PINK), ("^", ORANGE))
 """Mark and colour of the places of Loc. 1 and Loc. 2."""
@@ -55,7 +53,41 @@ DIGITS = 6.5
 ZONE_DASHES = (0, (2.5, 1.5))
 
 
-@styled
+def streamlines_words(results: xr.Dataset) -> Words:
+    """Return caption and alternative text."""
+    count = results.sizes["streamline"]
+    marked = ", ".join(str(feature.number) for feature in features(results))
+    end = results["time"].to_numpy()[:, -1]
+    zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
+    lines = f"{count} streamline{'' if count == 1 else 's'}"
+    near = at_corners(
+        results, "Near a singular corner, and so dependent on the mesh: streamlines", "."
+    )
+    return Words(
+        caption=(
+            f"Fig. 2b of the paper: {lines} of the same share of the flux, numbered "
+            f"from the left edge; {marked} are marked, in the same colours in every figure. "
+            f"Dashed: zones ({zones}). Points: where the fibers of all initial angles meet their "
+            "lowest surface pressure against the melt around them, above the middle of the "
+            f"capillary (Loc. 1) and below it (Loc. 2).{near}"
+        ),
+        alt=(
+            "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
+            "with the bed; those from the left edge come to lie at the bottom of the bead, those "
+            f"from the right at its top. The melt takes {number(end.min(), 3)} s on the fastest "
+            f"line and {number(end.max(), 3)} s on the slowest."
+        ),
+    )
+
+
+@plate(
+    "streamlines",
+    "Streamlines",
+    section="flow",
+    words=streamlines_words,
+    needs="extreme node_x",
+    paper="Fig. 2b",
+)
 def figure_streamlines(results: xr.Dataset) -> Figure:
     """Draw all streamlines in the nozzle's outline, and the gap once more, larger."""
     scene = read_scene(results)
@@ -95,9 +127,7 @@ def _key(results: xr.Dataset) -> list[Line2D]:
 
 
 def _paint(axes: Axes, scene: Scene, window: Window, results: xr.Dataset) -> None:
-    draw_metal(axes, scene)
-    draw_bed(axes, window)
-    draw_outline(axes, scene, fill=True)
+    draw_bead(axes, scene, window)
     x, y = MM * results["x"].to_numpy(), MM * results["y"].to_numpy()
     for row in rest(results):
         axes.plot(x[row], y[row], color=GREY, linewidth=0.5, zorder=1.5)
@@ -153,30 +183,3 @@ def _numbers(axes: Axes, results: xr.Dataset) -> None:
             color=color or GREY,
             fontweight="bold",
         )
-
-
-def streamlines_words(results: xr.Dataset) -> Words:
-    """Return caption and alternative text of `figure_streamlines`."""
-    count = results.sizes["streamline"]
-    marked = ", ".join(str(feature.number) for feature in features(results))
-    end = results["time"].to_numpy()[:, -1]
-    zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
-    lines = f"{count} streamline{'' if count == 1 else 's'}"
-    near = at_corners(
-        results, "Near a singular corner, and so dependent on the mesh: streamlines", "."
-    )
-    return Words(
-        caption=(
-            f"Fig. 2b of the paper: {lines} of the same share of the flux, numbered "
-            f"from the left edge; {marked} are marked, in the same colours in every figure. "
-            f"Dashed: zones ({zones}). Points: where the fibers of all initial angles meet their "
-            "lowest surface pressure against the melt around them, above the middle of the "
-            f"capillary (Loc. 1) and below it (Loc. 2).{near}"
-        ),
-        alt=(
-            "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
-            "with the bed; those from the left edge come to lie at the bottom of the bead, those "
-            f"from the right at its top. The melt takes {number(end.min(), 3)} s on the fastest "
-            f"line and {number(end.max(), 3)} s on the slowest."
-        ),
-    )

@@ -1,1 +1,0 @@
-"""Figures of orientation tensors along the paths."""
