@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
-from fibermelt.report.page.chapters import numbers
 from stored_bead import stored_results
 
 from fibermelt.engine.quantities import Quantity, labelled
 from fibermelt.parts.bead.summary import summarize_bead
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
+from fibermelt.report.page.sections import SECTIONS
 from fibermelt.study.quantities import QUANTITIES
 from fibermelt.sweeps.responses import responses_of
 from fibermelt.units import SHOWN, parse
@@ -71,7 +71,8 @@ def test_a_new_number_of_the_flow_is_in_the_summary_and_on_the_page(monkeypatch)
     results = bead.assign(labelled({"swell": 2.5e-4, "swell_error": 1e-6}, FLOW))
     summary = summarize_bead(results)
     assert summary["flow"]["swell"] == 2.5e-4
-    told = re.sub(r"<[^>]+>", " ", numbers(results, summary))
+    (numbers,) = (section for section in SECTIONS if section.name == "numbers")
+    told = re.sub(r"<[^>]+>", " ", numbers.words(results, summary))
     assert re.search(r"Swell\s+0\.2500 ± 0\.0010\s+mm", told)
     assert re.search(r"Swell\s+how far it swells", told)
 

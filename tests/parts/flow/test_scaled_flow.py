@@ -16,7 +16,7 @@ from fibermelt.study.loading import resolve
 COARSE = FlowNumerics().coarsened(4.0)
 PAPER = {
     **stage_parameters(FLOW, resolve({}).values()),
-    **{key: getattr(COARSE, name) for key, name in FLOW_NUMERICS.items()},
+    **{key: getattr(COARSE, key.removeprefix("numerics.")) for key in FLOW_NUMERICS},
 }
 CARREAU = {
     **dict.fromkeys(key for key in PAPER if key.startswith("law.")),
