@@ -1,7 +1,4 @@
-"""The cell that stands for a fiber content: what `fibermelt domain-size` answers.
-
-What computes is imported when it is asked for, as in the stages.
-"""
+"""The cell that stands for a fiber content: what `fibermelt domain-size` answers."""
 
 from __future__ import annotations
 
@@ -11,6 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.stall import stall_curve
+from fibermelt.orientation.interaction import checked_interaction, interaction_law, regime
 from fibermelt.parts.interaction.suspension import (
     folgar_tucker,
     interaction_coefficient,
@@ -71,13 +70,6 @@ def run_domain_size(study: DomainStudy) -> dict[str, Any]:
     ConfigError
         If a parameter is out of its range, or no cell stalls the fiber at the preferred angle.
     """
-    from fibermelt.fiber.stall import stall_curve  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.interaction import (  # noqa: PLC0415
-        checked_interaction,
-        interaction_law,
-        regime,
-    )
-
     check_closure(study.closure)
     content = study.volume_fraction, study.aspect_ratio
     concentration, law = regime(*content), interaction_law(study.law or PAPER_LAW)

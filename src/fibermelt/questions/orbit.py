@@ -1,6 +1,6 @@
 """One fiber in simple shear, over one turn: what `fibermelt orbit` answers.
 
-What computes is imported when it is asked for, as in the stages.
+What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
@@ -14,11 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.parameters import declarations
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.newton import FreeFiber, NewtonSolver
+from fibermelt.fiber.newton_orbit import orbit_newton
+from fibermelt.fiber.orbit import checked_shear, orbit
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.melt import LAWS
 from fibermelt.paper.config import Sensitivity
 from fibermelt.parts.bead.shape import Sizes
 from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.melt.melt import NEWTONIAN
 from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL, Constants
+from fibermelt.units import parse
 
 if TYPE_CHECKING:
     from fibermelt.fiber.orbit import Orbit
@@ -104,8 +111,6 @@ def read_quantity(option: str, text: str, unit: str, bare: str = "") -> float:
     ConfigError
         If it is neither, or of another dimension, or not finite.
     """
-    from fibermelt.units import parse  # noqa: PLC0415  lazy: the unit library
-
     try:
         return parse(_with_unit(text, bare), unit)
     except ConfigError as error:
@@ -148,8 +153,6 @@ def run_orbit(study: OrbitStudy) -> dict[str, Any]:
     ConvergenceError
         As in `fibermelt.fiber.orbit_newton`.
     """
-    from fibermelt.fiber.orbit import checked_shear  # noqa: PLC0415  lazy: see the module
-
     for name, value, known in (("model", study.model, SHAPES), ("path", study.path, PATHS)):
         if value not in known:
             words = " or ".join(f'"{choice}"' for choice in known)
@@ -210,8 +213,6 @@ def read_melt(law: str | None, said: Mapping[str, str | None]) -> float | Viscos
     ConfigError
         If there is no such law, or a constant is missing, another law's, or out of its range.
     """
-    from fibermelt.melt import LAWS  # noqa: PLC0415  lazy: see the module
-
     name = NEWTONIAN if law is None else law
     if name not in ORBIT_LAWS:
         known = ", ".join(f'"{one}"' for one in ORBIT_LAWS)
@@ -254,8 +255,6 @@ def _newtonian(study: OrbitStudy) -> float:
 
 def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
     """Return the orbit from the fiber's response, and the seconds that both took."""
-    from fibermelt.fiber.orbit import orbit  # noqa: PLC0415  lazy: see the module
-
     start = perf_counter()
     response = _response(study)
     middle = perf_counter()
@@ -265,8 +264,6 @@ def _superposition(study: OrbitStudy) -> tuple[Orbit, float, float]:
 
 def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
     """Return the fiber's answer: of its cell, of a melt without end, or of a melt that thins."""
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
-
     shape, sizes, law = SHAPES[study.model], Sizes(1.0, study.aspect_ratio), _law_of(study)
     if law is None:
         return shape.model(sizes, _domain(study), CellNumerics(estimate=False)).response
@@ -281,9 +278,6 @@ def _response(study: OrbitStudy) -> FiberResponse | ThinningResponse:
 def _newton(study: OrbitStudy) -> tuple[Orbit, float, float]:
     """Return the orbit by the paper's algorithm, and the seconds of cell and orbit."""
     from fibermelt.fiber.cell import ThinningFiber, build_system  # noqa: PLC0415  lazy, as above
-    from fibermelt.fiber.newton import FreeFiber, NewtonSolver  # noqa: PLC0415
-    from fibermelt.fiber.newton_orbit import orbit_newton  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     free: FreeFiber
     fiber, law, start = Ellipse(1.0, study.aspect_ratio), _law_of(study), perf_counter()

@@ -1,7 +1,4 @@
-"""A suspension in a homogeneous flow: what `fibermelt orientation` answers.
-
-What computes is imported when it is asked for, as in the stages.
-"""
+"""A suspension in a homogeneous flow: what `fibermelt orientation` answers."""
 
 from __future__ import annotations
 
@@ -10,12 +7,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.errors import ConfigError, legible
+from fibermelt.orientation.closures import CLOSURES
+from fibermelt.orientation.closures import closure as named
+from fibermelt.orientation.flows import flow_gradient, nearest_name
+from fibermelt.orientation.fokker_planck import steady_distribution
+from fibermelt.orientation.interaction import checked_interaction
+from fibermelt.orientation.models import FolgarTucker, model_class
+from fibermelt.orientation.steady import steady_state
+from fibermelt.orientation.tensors import preferred_angle as angle_of
 from fibermelt.parts.interaction.models import build_model
 from fibermelt.parts.interaction.suspension import DISTRIBUTION, rotary_diffusivity
+from fibermelt.questions.orbit import read_quantity
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from fibermelt.orientation.kinetics import OrientationModel
@@ -71,8 +78,6 @@ def read_parameters(given: Sequence[str]) -> dict[str, float]:
     ConfigError
         If one is no name and number, or is given twice.
     """
-    from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415  lazy: see the module
-
     found = {}
     for text in given:
         name, equals, value = text.partition("=")
@@ -110,10 +115,6 @@ def run_orientation(study: OrientationStudy) -> dict[str, Any]:
     ConvergenceError
         If the closure has no steady state there.
     """
-    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415  lazy: see above
-    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
-    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
-
     check_closure(study.closure)
     gradient = flow_gradient(study.flow)
     model = _model(study)
@@ -133,9 +134,6 @@ def run_orientation(study: OrientationStudy) -> dict[str, Any]:
 
 def check_closure(name: str) -> None:
     """Refuse what is neither a closure nor the distribution itself."""
-    from fibermelt.orientation.closures import CLOSURES  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.flows import nearest_name  # noqa: PLC0415
-
     known = {**CLOSURES, DISTRIBUTION: None}
     if name not in known:
         raise ConfigError(nearest_name("closure", name, known))
@@ -143,9 +141,6 @@ def check_closure(name: str) -> None:
 
 def _model(study: OrientationStudy) -> OrientationModel:
     """Return the model that a study names, with all that it takes and nothing else."""
-    from fibermelt.orientation.interaction import checked_interaction  # noqa: PLC0415  lazy, as above
-    from fibermelt.orientation.models import model_class  # noqa: PLC0415
-
     kind = model_class(study.model)
     if study.aspect_ratio < 1.0:
         msg = f"fiber.aspect_ratio = {study.aspect_ratio:g}: must be at least 1 (length over width)"
@@ -192,12 +187,6 @@ def _distribution(
     study: OrientationStudy, model: OrientationModel, gradient: NDArray[np.float64]
 ) -> dict[str, Any]:
     """Return the same from the distribution itself, which knows isotropic diffusion only."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.orientation.fokker_planck import steady_distribution  # noqa: PLC0415
-    from fibermelt.orientation.models import FolgarTucker  # noqa: PLC0415
-    from fibermelt.orientation.tensors import preferred_angle as angle_of  # noqa: PLC0415
-
     if type(model) is not FolgarTucker:
         msg = (
             f"--closure {DISTRIBUTION} with --model {study.model}: the distribution is of "

@@ -12,6 +12,9 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import pandas as pd
+
 from fibermelt.engine.files import (
     digest,
     read_sealed,
@@ -25,9 +28,9 @@ from fibermelt.engine.files import (
 from fibermelt.engine.finished import read_finished
 from fibermelt.engine.schema import SCHEMA
 from fibermelt.errors import StoreError, legible_path
+from fibermelt.flow.vtp import polylines
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -71,8 +74,6 @@ class Table:
 
     def csv(self) -> bytes:
         """Return it as CSV in UTF-8: a head with units in brackets, empty where there is none."""
-        import pandas as pd  # noqa: PLC0415  lazy: xarray has it
-
         heads = [f"{name} [{unit}]" if unit else name for name, (unit, _) in self.about.items()]
         frame = pd.DataFrame(dict(zip(heads, self.columns.values(), strict=True)))
         written: str = frame.to_csv(index=False, lineterminator="\n")
@@ -103,8 +104,6 @@ def tables(results: xr.Dataset) -> Iterator[Table]:
 
 def _table(results: xr.Dataset, names: Sequence[str]) -> Table:
     """Return the table of variables that have the same dimensions, the directions apart."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     dims = [str(dim) for dim in results[names[0]].dims if dim not in DIRECTIONS]
     shape = tuple(results.sizes[dim] for dim in dims)
     columns: dict[str, NDArray[Any]] = {}
@@ -126,8 +125,6 @@ def _table(results: xr.Dataset, names: Sequence[str]) -> Table:
 
 def _numbers(results: xr.Dataset, names: Sequence[str]) -> Table:
     """Return what there is one of, a row for each, and for each part of a vector."""
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     rows = []
     for name in names:
         unit, meaning = _about(results, name)
@@ -149,8 +146,6 @@ def _numbers(results: xr.Dataset, names: Sequence[str]) -> Table:
 
 
 def _labels(results: xr.Dataset, dim: str) -> NDArray[Any]:
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     return results[dim].to_numpy() if dim in results.variables else np.arange(results.sizes[dim])
 
 
@@ -177,10 +172,6 @@ def streamlines_vtp(results: xr.Dataset) -> bytes | None:
     bytes or None
         None where the results have no streamlines.
     """
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
-    from fibermelt.flow.vtp import polylines  # noqa: PLC0415
-
     if not all(name in results for name in (*PLACE[:2], LINE)):
         return None
 
@@ -209,8 +200,6 @@ def streamlines_vtp(results: xr.Dataset) -> bytes | None:
 
 def _components(results: xr.Dataset, name: str) -> tuple[NDArray[np.generic], list[str]]:
     """Return values at the points (line, point[, k]), and what their k components are called."""
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     inner = [str(dim) for dim in results[name].dims if dim not in {LINE, POINT}]
     values = results[name].transpose(LINE, POINT, *inner).to_numpy()
     if not inner:

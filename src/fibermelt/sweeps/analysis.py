@@ -28,8 +28,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from fibermelt.sweeps.responses import Response
@@ -115,8 +116,6 @@ def why_no_indices(table: SweepTable, response: Response) -> str:
     response : Response
         One of its responses.
     """
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     if table.design == "saltelli":
         blocks = _blocks(table, response.values)
         whole = int(np.count_nonzero(np.isfinite(blocks).all(axis=1)))
@@ -149,7 +148,6 @@ def _blocks(table: SweepTable, values: Array) -> Array:
 
 def _saltelli(table: SweepTable, values: Array) -> Indices | None:
     """Return first and total indices from the blocks of which every case has an answer."""
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
     from SALib.analyze import sobol  # noqa: PLC0415  lazy: 0.8 s
 
     blocks = _blocks(table, values)
@@ -171,7 +169,6 @@ def _saltelli(table: SweepTable, values: Array) -> Indices | None:
 
 def _given_data(table: SweepTable, values: Array) -> Indices:
     """Return first-order indices from samples of whatever design."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
     from SALib.analyze import rbd_fast  # noqa: PLC0415  0.8 s
 
     there = np.isfinite(values)
@@ -219,8 +216,6 @@ def effect(table: SweepTable, response: Response, axis: Varied) -> tuple[Array, 
     found : (3, n) ndarray
         Mean, least and largest response; NaN for a value without one to compare.
     """
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     place = table.axes.index(axis)
     if table.groups:
         chosen = list(table.groups[place])
@@ -254,8 +249,6 @@ def _shared(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
         None of them if there are not two to compare; of several such sets the one that the most
         combinations have.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     count = known.sum(axis=0)
     if count.max(initial=0) < min(2, len(known)):
         return np.zeros(len(known), dtype=bool)
@@ -278,8 +271,6 @@ def shares_below(values: Array, weights: Array | None = None) -> tuple[Array, Ar
     values, shares : (n,) ndarray
         The values, and the middle of the share of each [-].
     """
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     there = np.isfinite(values)
     found = values[there]
     order = np.argsort(found, kind="stable")
@@ -304,8 +295,6 @@ def quantiles(
     weights : (cases,) ndarray, optional
         What each case counts, above 0; all alike if left out.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     found, shares = shares_below(values, weights)
     if found.size == 0:
         return np.full(len(levels), np.nan)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.errors import ConfigError
 from fibermelt.sweeps.analysis import effect, quantiles, sobol_indices, why_no_indices
 from fibermelt.sweeps.table import SweepTable, sweep_table
 from fibermelt.sweeps.window import drying_advice
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -68,8 +69,6 @@ def answer_sweep(collected: xr.Dataset) -> tuple[str, ...]:
 
 def _range(table: SweepTable, lead: Response) -> str:
     """Return the lowest and the highest response, and where they are."""
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     ends = (int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values)))
     low, high = (f"{_number(lead, lead.values[end])} ({table.point(end)})" for end in ends)
     count = int(np.count_nonzero(np.isfinite(lead.values)))
@@ -80,8 +79,6 @@ def _range(table: SweepTable, lead: Response) -> str:
 
 def _effects(table: SweepTable, lead: Response) -> str:
     """Return how far the response goes with each parameter, the strongest first."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     found, untold = [], []
     for axis in table.axes:
         levels, (mean, _, _) = effect(table, lead, axis)
@@ -117,8 +114,6 @@ def _listed(names: list[str]) -> str:
 
 def _is_told(table: SweepTable, lead: Response) -> bool:
     """Tell whether the range of a response has said how it follows the only parameter."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     ends = {int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values))}
     if len(table.axes) > 1 or (table.groups and 0 in ends):
         return False
@@ -128,8 +123,6 @@ def _is_told(table: SweepTable, lead: Response) -> bool:
 
 def _spread(table: SweepTable, lead: Response) -> str:
     """Return the quantiles of the response, and what its variance is due to."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     low, _, high = (_number(lead, float(value)) for value in quantiles(lead.values))
     told = f"{_half(lead, 'of the cases lie')}, nine tenths between {low} and {high}"
     if table.weighing is not None:
@@ -162,8 +155,6 @@ def _half(lead: Response, lie: str, weights: Array | None = None) -> str:
     weights : (cases,) ndarray, optional
         What each case counts; all alike if left out.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     there = np.isfinite(lead.values)
     values = lead.values[there]
     counted = np.ones(len(values)) if weights is None else weights[there]

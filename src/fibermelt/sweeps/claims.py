@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.paper.claims.judge import Claim, Judgement, claims, judge
 from fibermelt.sweeps.table import SweepTable
 
@@ -114,8 +116,6 @@ def depends_on(table: SweepTable, verdicts: Sequence[str]) -> tuple[str, ...]:
 
 def _lines(table: SweepTable, place: int) -> Sequence[Sequence[int]]:
     """Return the sets of cases that differ in one parameter only."""
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     if table.groups:
         return [(0, case) for case in table.groups[place][1:]]
     if table.is_sampled:

@@ -8,6 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import xarray as xr
+
 from fibermelt.engine.files import (
     refuse_no_parent,
     replace_file,
@@ -24,8 +27,6 @@ from fibermelt.sweeps.collection import Reduced
 from fibermelt.sweeps.store import Asked, CaseStore, damaged_batch, read_asked
 
 if TYPE_CHECKING:
-    import numpy as np
-    import xarray as xr
     from numpy.typing import NDArray
 
 __all__ = ["SUFFIXES", "collect_sweep", "write_csv", "write_netcdf", "write_zarr"]
@@ -54,8 +55,6 @@ def collect_sweep(directory: Path) -> xr.Dataset:
     StoreError
         If it holds no sweep, or a file in it is damaged.
     """
-    import xarray as xr  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     cases = CaseStore(directory)
     asked = read_asked(cases)
     dimensions, shape = asked.sweep.dimensions, asked.sweep.shape
@@ -171,8 +170,6 @@ def _start_of(path: Path, count: int) -> bytes:
 
 def _numbers(cases: CaseStore, results: Sequence[str]) -> Found:
     """Return the variables of all batches over ``case``, with what is missing as NaN."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     rows: dict[str, list[int]] = {}
     for row, result in enumerate(results):
         rows.setdefault(result, []).append(row)
@@ -233,8 +230,6 @@ def _extents(
 
 def _nothing(dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """Return an array of what stands for a missing case."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     if dtype.kind in "OUST":
         return np.full(shape, "", dtype=object)
     return np.full(shape, np.nan)
@@ -242,8 +237,6 @@ def _nothing(dtype: np.dtype[Any], shape: tuple[int, ...]) -> NDArray[Any]:
 
 def _status(cases: CaseStore, asked: Asked) -> Found:
     """Return what became of every case, and why."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     failures = cases.failures()
     done = {key for keys in cases.batch_results().values() for key in keys}
     status, reason = [], []
@@ -261,8 +254,6 @@ def _status(cases: CaseStore, asked: Asked) -> Found:
 
 def _coordinates(asked: Asked) -> dict[str, Any]:
     """Return the parameters that vary, along the axes of a grid or along ``case``."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     known = {declaration.key: declaration for declaration in declarations(Config)}
     coordinates = {}
     if asked.sweep.design != "grid":
@@ -281,8 +272,6 @@ def _coordinates(asked: Asked) -> dict[str, Any]:
 
 def _coordinate(values: list[Any], about: Declaration) -> tuple[NDArray[Any], dict[str, str]]:
     """Return the values of a parameter as an array: numbers in SI, or else text."""
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     attributes = {"units": about.unit or "1", "long_name": about.doc}
     if all(value is None or isinstance(value, (int, float)) for value in values):
         numbers = [np.nan if value is None else value for value in values]

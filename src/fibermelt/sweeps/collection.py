@@ -20,10 +20,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.study.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -116,8 +117,6 @@ def reduce_results(dataset: xr.Dataset) -> dict[str, Kept]:
 
 def _mean(values: NDArray[np.float64], axis: int, units: str) -> NDArray[np.float64]:
     """Return the mean of numbers, or of the lines that have some angles [rad]."""
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     if units != "rad":
         return np.asarray(values.mean(axis))
     return np.asarray(np.angle(np.exp(2j * values).mean(axis)) / 2)
@@ -145,8 +144,6 @@ class Batch:
 
     def to_bytes(self) -> bytes:
         """Return it as an npz file: arrays of numbers and of texts, never of objects."""
-        import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
         about = {
             name: [*kept.dimensions, kept.units, kept.long_name]
             for name, kept in self.variables.items()
@@ -161,8 +158,6 @@ class Batch:
     @classmethod
     def from_bytes(cls, data: bytes) -> Batch:
         """Return what an npz file holds; an array of objects in it is refused."""
-        import numpy as np  # noqa: PLC0415  lazy: see above
-
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             variables = {
                 name: Kept(tuple(dimensions), file[f"v_{name}"], units, long_name)
@@ -173,8 +168,6 @@ class Batch:
     @staticmethod
     def keys_in(data: bytes) -> tuple[str, ...]:
         """Return the keys of the cases in an npz file, without reading the rest of it."""
-        import numpy as np  # noqa: PLC0415  lazy: see above
-
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             return tuple(map(str, file["key"]))
 
@@ -213,8 +206,6 @@ def _layout(reduced: Reduced) -> Any:
 
 
 def _stacked(cases: Sequence[tuple[str, Reduced]]) -> Batch:
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     variables: dict[str, Kept] = {}
     for name, kept in cases[0][1].items():
         if kept.is_label(name):

@@ -6,11 +6,12 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.engine.quantities import Quantity
 from fibermelt.study.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -63,8 +64,6 @@ class Response:
     @property
     def varies(self) -> bool:
         """Tell whether it is not the same in all cases that have it, of at least two."""
-        import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
         there = self.values[np.isfinite(self.values)]
         return there.size > 1 and bool(np.ptp(there) > self.same * np.max(np.abs(there)))
 
@@ -134,6 +133,4 @@ def _response(
 
 
 def _flat(values: xr.DataArray, dimensions: Sequence[str]) -> Array:
-    import numpy as np  # noqa: PLC0415  lazy: see above
-
     return np.asarray(values.transpose(*dimensions).to_numpy(), dtype=float).ravel()

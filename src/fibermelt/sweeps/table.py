@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.parameters import Declaration, declarations
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.study.config import Config
@@ -21,7 +23,6 @@ from fibermelt.sweeps.responses import Response, responses_of
 from fibermelt.units import parse
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -198,8 +199,6 @@ def _groups(sweep: Sweep) -> tuple[tuple[int, ...], ...]:
 
 
 def _axes(collected: xr.Dataset, sweep: Sweep, shape: tuple[int, ...]) -> tuple[Varied, ...]:
-    import numpy as np  # noqa: PLC0415  lazy: the command line's help needs none of it
-
     dimensions, keys = sweep.dimensions, [axis.keys for axis in sweep.axes]
     known = {declaration.key: declaration for declaration in declarations(Config)}
     names = [one[0].partition(".")[2] for one in keys]

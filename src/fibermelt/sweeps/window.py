@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.errors import ConfigError
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -42,8 +43,6 @@ def critical_moistures(collected: xr.Dataset) -> tuple[Array, Array]:
     ConfigError
         If it varies by something else, or has no voids.
     """
-    import numpy as np  # noqa: PLC0415  lazy: a list of commands needs none of it
-
     if missing := [
         name for name in (*MEASURES, "void_saturation_moisture") if name not in collected
     ]:
@@ -64,8 +63,6 @@ def drying_advice(collected: xr.Dataset) -> str:
 
     Parameters and errors as of `critical_moistures`.
     """
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     worst, median = critical_moistures(collected)
     if np.all(np.isnan(worst)):
         return "No case of the sweep has a critical moisture: there is no advice on drying."

@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.engine.results import study_of
 from fibermelt.paper.claims.measures import (
     CENTER,
@@ -20,7 +22,6 @@ from fibermelt.paper.claims.measures import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -45,16 +46,12 @@ def _means(results: xr.Dataset, location: int, kind: str) -> Array:
 
 def _extreme(results: xr.Dataset, name: str, location: int, kind: str) -> Array:
     """Return a variable of the extremes, (streamline, initial angle)."""
-    import numpy as np  # noqa: PLC0415
-
     of = results[name].transpose("streamline", "initial_angle", "location", "kind").to_numpy()
     return np.asarray(of[:, :, location - 1, 0 if kind == "min" else 1])
 
 
 def _height(results: xr.Dataset) -> Array:
     """Return the height of each streamline in the finished bead [m]."""
-    import numpy as np  # noqa: PLC0415
-
     return np.asarray(results["y"].to_numpy()[:, -1])
 
 
@@ -67,8 +64,6 @@ def entrance_minimum(results: xr.Dataset) -> float:
 @needs("extreme", "near_singularity")
 def entrance_minimum_range(results: xr.Dataset) -> float:
     """Return the range over the streamlines of the mean minimum at Loc. 1, over its mean."""
-    import numpy as np  # noqa: PLC0415
-
     means = _means(results, 1, "min")[regular_lines(results)]
     return float(np.ptp(means) / abs(means.mean()))
 
@@ -109,8 +104,6 @@ def exit_minimum_right(results: xr.Dataset) -> float:
 @needs("extreme", "near_singularity")
 def deepest_from_left(results: xr.Dataset) -> float:
     """Return the share of the flux left of the streamline with the lowest mean minimum, Loc. 2."""
-    import numpy as np  # noqa: PLC0415
-
     regular = regular_lines(results)
     deepest = np.argmin(_means(results, 2, "min")[regular])
     return float(results["flux_fraction"].to_numpy()[regular][deepest])
@@ -119,8 +112,6 @@ def deepest_from_left(results: xr.Dataset) -> float:
 @needs("extreme_time", "zone_time", "near_singularity")
 def exit_minimum_within_swell(results: xr.Dataset) -> float:
     """Return the share of fibers whose minimum at Loc. 2 lies between zones 2 and 3."""
-    import numpy as np  # noqa: PLC0415
-
     regular, zone = regular_lines(results), results["zone_time"].to_numpy()
     when = _extreme(results, "extreme_time", 2, "min")
     within = (when >= zone[:, 1, None]) & (when <= zone[:, 2, None])
@@ -137,8 +128,6 @@ def center_entrance_absolute(results: xr.Dataset) -> float:
 @needs("extreme_pressure", "initial_angle")
 def center_exit_absolute(results: xr.Dataset) -> float:
     """Return the pressure at Loc. 2 on streamline 10 above the air's [Pa], entering along x."""
-    import numpy as np  # noqa: PLC0415
-
     angles = results["initial_angle"].to_numpy()
     along = int(np.argmin(np.abs(angles)))
     if abs(angles[along]) > 1e-9:
@@ -151,8 +140,6 @@ def center_exit_absolute(results: xr.Dataset) -> float:
 @needs("extreme_where", "near_singularity")
 def minima_at_tips(results: xr.Dataset) -> float:
     """Return the share of minima, at both locations, that lie within 5 degrees of a tip."""
-    import numpy as np  # noqa: PLC0415
-
     regular = regular_lines(results)
     places = [_extreme(results, "extreme_where", k, "min")[regular] for k in (1, 2)]
     return float(np.mean(np.abs(np.stack(places)) <= TIP))
@@ -160,8 +147,6 @@ def minima_at_tips(results: xr.Dataset) -> float:
 
 def _edge_over_center(results: xr.Dataset, location: int) -> float:
     """Return the mean maximum at the outermost two streamlines over that of the middle two."""
-    import numpy as np  # noqa: PLC0415
-
     regular = regular_lines(results)
     means, off = _means(results, location, "max")[regular], off_center(results)[regular]
     order = np.argsort(off, kind="stable")
@@ -212,8 +197,6 @@ def center_over_edge_sensitivity(results: xr.Dataset) -> float:
 @needs("zone_angle", "near_singularity")
 def angle_to_stream_below(results: xr.Dataset) -> float:
     """Return the median angle between fiber and streamline [rad] over the three zones."""
-    import numpy as np  # noqa: PLC0415
-
     return float(np.median(np.abs(results["zone_angle"].to_numpy()[regular_lines(results)])))
 
 

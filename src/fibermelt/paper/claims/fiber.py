@@ -5,11 +5,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.engine.results import study_of
 from fibermelt.paper.claims.measures import Measure, NotStoredError, needing
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -28,8 +29,6 @@ CELL, UNBOUNDED = "confined-ellipse", "ellipse"
 
 def _sweep(results: xr.Dataset, sweep: str, name: str, model: str = CELL) -> tuple[Array, Array]:
     """Return what is varied in a sweep, and what becomes of a variable."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     rows = np.flatnonzero(results["case_sweep"].to_numpy() == sweep)
     if len(rows) < 2:
         msg = f"fewer than two values of {sweep} were looked at"
@@ -42,16 +41,12 @@ def _sweep(results: xr.Dataset, sweep: str, name: str, model: str = CELL) -> tup
 
 def _base(results: xr.Dataset, name: str, model: str = CELL) -> float:
     """Return a variable of the base case."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     row = int(np.flatnonzero(results["case_sweep"].to_numpy() == "base")[0])
     return float(results[name][row].sel(orbit_model=model))
 
 
 def _printed(results: xr.Dataset, sweeps: tuple[str, ...], printed: str, model: str) -> Array:
     """Return ours less the printed period [s], and the printed one, where there is one."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     pairs = [
         np.stack([_sweep(results, sweep, name, model)[1] for name in ("orbit_period", printed)])
         for sweep in sweeps
@@ -144,8 +139,6 @@ def place_of_lowest(results: xr.Dataset) -> float:
 @orbits("turn_highest", "case_aspect_ratio")
 def circle_variation(results: xr.Dataset) -> float:
     """Return the range over a turn of the highest pressure on a circle, over its mean."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     circles = np.flatnonzero(results["case_aspect_ratio"].to_numpy() == 1.0)
     if not len(circles):
         msg = "no fiber is a circle: sensitivity.aspect_ratios has no 1"
@@ -160,8 +153,6 @@ def _range(values: Array) -> float:
 
 def _least_growth(of: Array, values: Array) -> float:
     """Return the least relative growth of values as what is varied grows, step by step."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     ordered = values[np.argsort(of)]
     return float((ordered[1:] / ordered[:-1] - 1).min())
 

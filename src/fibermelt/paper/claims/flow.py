@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.results import study_of
 from fibermelt.paper.claims.measures import (
     LEFT,
@@ -19,7 +21,6 @@ from fibermelt.paper.claims.measures import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -45,8 +46,6 @@ def _some(chosen: NDArray[np.bool_]) -> None:
 
 def _at_level(results: xr.Dataset, level: float, name: str) -> Array:
     """Return a variable where each streamline comes down to a height y [m]."""
-    import numpy as np  # noqa: PLC0415
-
     values, y = results[name].to_numpy(), results["y"].to_numpy()
     first = np.argmax(y <= level, axis=1)
     rows = np.arange(len(y))
@@ -57,8 +56,6 @@ def _at_level(results: xr.Dataset, level: float, name: str) -> Array:
 @needs("x", "y", "u", "v", "near_singularity")
 def capillary_profile_error(results: xr.Dataset) -> float:
     """Return the largest difference from the parabola at half the capillary's length, relative."""
-    import numpy as np  # noqa: PLC0415
-
     nozzle = study_of(results)["flow"]
     level = nozzle["gap"] + 0.5 * nozzle["capillary_length"]
     width = nozzle["capillary_width"]
@@ -78,8 +75,6 @@ def transit_time_from_center(results: xr.Dataset) -> float:
 @needs("gradient", "y", "near_singularity")
 def dominating_gradient_share(results: xr.Dataset) -> float:
     """Return the share of places just above the exit at which dv_y/dx is the largest component."""
-    import numpy as np  # noqa: PLC0415
-
     nozzle, regular = study_of(results)["flow"], regular_lines(results)
     y = results["y"].to_numpy()[regular]
     near = (y > nozzle["gap"]) & (y < nozzle["gap"] + NEAR_EXIT * nozzle["capillary_width"])
@@ -91,8 +86,6 @@ def dominating_gradient_share(results: xr.Dataset) -> float:
 @needs("gradient", "y", "near_singularity")
 def gradient_from_center(results: xr.Dataset) -> float:
     """Return the rank correlation of |dv_y/dx| just above the exit and distance from the center."""
-    import numpy as np  # noqa: PLC0415
-
     nozzle, regular = study_of(results)["flow"], regular_lines(results)
     level = nozzle["gap"] + 0.5 * NEAR_EXIT * nozzle["capillary_width"]
     shear = results.assign(shear=results["gradient"][..., 1, 0])
@@ -103,8 +96,6 @@ def gradient_from_center(results: xr.Dataset) -> float:
 
 def _downstream(results: xr.Dataset) -> tuple[NDArray[np.bool_], dict[str, Any]]:
     """Return which points lie one to two bead heights before the outlet, and the flow's table."""
-    import numpy as np  # noqa: PLC0415
-
     nozzle = study_of(results)["flow"]
     height = nozzle["inlet_speed"] * nozzle["inlet_width"] / nozzle["bed_speed"]
     x = results["x"].to_numpy()
@@ -116,8 +107,6 @@ def _downstream(results: xr.Dataset) -> tuple[NDArray[np.bool_], dict[str, Any]]
 @needs("x", "u", "v")
 def downstream_speed_deviation(results: xr.Dataset) -> float:
     """Return the largest difference from the bed's velocity downstream, relative."""
-    import numpy as np  # noqa: PLC0415
-
     chosen, nozzle = _downstream(results)
     u, v = (results[name].to_numpy()[chosen] for name in ("u", "v"))
     return float(np.max(np.hypot(u - nozzle["bed_speed"], v)) / nozzle["bed_speed"])

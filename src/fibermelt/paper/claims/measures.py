@@ -10,8 +10,10 @@ from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING
 
+import numpy as np
+from scipy.stats import spearmanr
+
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -70,8 +72,6 @@ def needing(known: dict[str, Measure], *variables: str, part: str) -> Callable[[
 
 def regular_lines(results: xr.Dataset) -> NDArray[np.bool_]:
     """Return which streamlines pass no singular corner."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-
     regular = ~results["near_singularity"].to_numpy().astype(bool)
     if np.count_nonzero(regular) < 3:
         msg = "fewer than three streamlines stay away from the singular corners"
@@ -90,16 +90,11 @@ def paper_line(results: xr.Dataset, number: int) -> int:
 
 def off_center(results: xr.Dataset) -> Array:
     """Return how far each streamline is from the center one, as a share of the flux."""
-    import numpy as np  # noqa: PLC0415
-
     return np.asarray(np.abs(results["flux_fraction"].to_numpy() - 0.5))
 
 
 def rank_correlation(first: Array, second: Array) -> float:
     """Return Spearman's rank correlation."""
-    import numpy as np  # noqa: PLC0415
-    from scipy.stats import spearmanr  # noqa: PLC0415
-
     if not np.ptp(first) or not np.ptp(second):
         msg = "the same on all streamlines: there is no trend to judge"
         raise NotStoredError(msg)

@@ -1,11 +1,9 @@
-"""The claims as a stage: what they are judged by, measured on the results of the other parts.
-
-What computes is imported when the stage runs, so that a study that is stored costs nothing.
-"""
+"""The claims as a stage: what they are judged by, measured on the results of the other parts."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import numpy as np
+import xarray as xr
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
@@ -13,18 +11,11 @@ from fibermelt.engine.toml import as_toml
 from fibermelt.paper.claims.judge import claims, measured
 from fibermelt.paper.claims.quantities import QUANTITIES
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-
 __all__ = ["claims_stage"]
 
 
 def claims_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Measure what the paper's claims are judged by."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the other stages
-    import xarray as xr  # noqa: PLC0415
-
     results = xr.merge(
         inputs.values(), combine_attrs="drop", compat="identical", join="exact"
     ).assign_attrs(config=as_toml(parameters))

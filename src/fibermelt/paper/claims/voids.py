@@ -9,6 +9,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+from scipy.stats import spearmanr
+
 from fibermelt.paper.claims.measures import Measure, NotStoredError, needing
 
 if TYPE_CHECKING:
@@ -27,9 +30,6 @@ FEWEST_LAYERS = 3
 
 def _rise(results: xr.Dataset, name: str, selection: str, basis: str = "") -> float:
     """Return Spearman's rank correlation of height and a pressure of the profile."""
-    import numpy as np  # noqa: PLC0415  lazy, as in the stages
-    from scipy.stats import spearmanr  # noqa: PLC0415
-
     layers = results[name].sel(void_selection=selection)
     if basis:
         layers = layers.sel(void_basis=basis)

@@ -3,8 +3,7 @@
 The paper's fiber is an ellipse in the plane of the flow, which is a cylinder across it. A spheroid
 of the same aspect ratio, whose axis lies in that plane, turns in the same way but sees more at its
 tips. Here both stand beside the confined ellipse: in simple shear over aspect ratios, and along the
-paper's feature streamlines, for every orientation and for the initial angles in the plane. What
-computes is imported when the stage runs.
+paper's feature streamlines, for every orientation and for the initial angles in the plane.
 """
 
 from __future__ import annotations
@@ -12,8 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.fiber.extremes import KINDS, extreme_bounds, extremes
+from fibermelt.fiber.motion import follow
+from fibermelt.fiber.pressure import pressure_bounds, surface_pressure
 from fibermelt.paper.dimensions.quantities import QUANTITIES
 from fibermelt.paper.orbits.quantities import QUANTITIES as ORBITS
 from fibermelt.parts.bead.beside import (
@@ -27,7 +31,6 @@ from fibermelt.parts.bead.stages import domain_size, stored_path
 from fibermelt.parts.melt.melt import newtonian_viscosity
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
@@ -77,8 +80,6 @@ def feature_rows(flux_fraction: NDArray[np.float64], features: Sequence[int]) ->
     features : sequence of int
         Their numbers, from 1.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     rows = [number - 1 for number in features if number <= len(flux_fraction)]
     if not rows:
         shares = [(k - 0.5) / PAPER_COUNT for k in FEATURES]
@@ -88,7 +89,6 @@ def feature_rows(flux_fraction: NDArray[np.float64], features: Sequence[int]) ->
 
 def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> dict[str, Any]:
     """Return the highest pressure in simple shear over ``mu gamma_dot``, against aspect ratio."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
 
     def peak(model: FiberModel) -> float:
         return model.response.tip_pressure
@@ -115,8 +115,6 @@ def _peaks(parameters: Parameters, ratios: tuple[float, ...], size: float) -> di
 
 def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) -> dict[str, Any]:
     """Return the lowest pressures along the feature streamlines, by model."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     rows = feature_rows(lines["flux_fraction"].to_numpy(), parameters["streamlines.features"])
     chosen = lines.isel(streamline=rows)
     path, middle = stored_path(chosen), chosen["middle_time"].to_numpy()
@@ -135,12 +133,6 @@ def _lowest_along(
     parameters: Parameters, path: FlowHistory, model: FiberModel, middle: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the lowest pressures of one model, streamline by streamline."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.extremes import KINDS, extreme_bounds, extremes  # noqa: PLC0415
-    from fibermelt.fiber.motion import follow  # noqa: PLC0415
-    from fibermelt.fiber.pressure import pressure_bounds, surface_pressure  # noqa: PLC0415
-
     viscosity, lowest = newtonian_viscosity(parameters), KINDS.index("min")
     angles = np.asarray(parameters["fiber.initial_angles"])
     tolerance = parameters["numerics.angle_tolerance"]

@@ -3,15 +3,24 @@
 The paper's section 2.3: a fiber in ``u_x = gamma_dot y`` over one turn for several aspect ratios,
 shear rates and viscosities (Fig. 8-13, Table 1), in a cell so large that its edge is hardly felt,
 and in an unbounded melt (Jeffery). Beyond the paper, what its plane ellipse costs: the same for a
-spheroid, whose tips see more. What computes is imported when a stage runs.
+spheroid, whose tips see more. What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
 
+from math import nan, pi
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.jeffery import unbounded_ellipse
+from fibermelt.fiber.near_field import near_field
+from fibermelt.fiber.orbit import orbit
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.fiber.tumbling import tumble, turn_times
 from fibermelt.paper.claims.printed import printed_period
 from fibermelt.paper.orbits.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import newtonian_viscosity
@@ -19,7 +28,7 @@ from fibermelt.parts.melt.melt import newtonian_viscosity
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.fiber.cell_data import CellNumerics, CellSolution
+    from fibermelt.fiber.cell_data import CellSolution
     from fibermelt.fiber.orbit import Orbit
     from fibermelt.fiber.response import FiberResponse
 
@@ -68,10 +77,6 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     One cell is solved for each distinct aspect ratio; rate and viscosity only scale the answer.
     The paper's values of the viscosity (Fig. 13) are not in its text: a study chooses its own.
     """
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.jeffery import unbounded_ellipse  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
-
     cases = orbit_cases(parameters)
     size = parameters["sensitivity.domain_size"]
     # no estimate: it would double the cost of cells whose error is 2e-5 (the tests measure it)
@@ -107,18 +112,12 @@ def orbits_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
 def _solve(half_length: float, ratio: float, size: float, numerics: CellNumerics) -> CellSolution:
     """Solve one cell."""
     from fibermelt.fiber.cell import solve_cell  # noqa: PLC0415  lazy: loads the finite elements
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     return solve_cell(Ellipse(half_length, ratio), size, numerics)
 
 
 def _turn(response: FiberResponse, case: Case) -> dict[str, Any]:
     """Return a fiber's exact extremes and its turn; of one that stalls, over Jeffery's period."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.orbit import orbit  # noqa: PLC0415
-    from fibermelt.fiber.tumbling import tumble, turn_times  # noqa: PLC0415
-
     whole = orbit(response, case.shear_rate, case.viscosity)
     if whole.period is None:
         time = np.linspace(0.0, whole.period_jeffery, INSTANTS)
@@ -150,8 +149,6 @@ def _lowest(response: FiberResponse, whole: Orbit) -> tuple[float, float]:
     A circle has it at every angle, on the side that is stretched: it is given the angle 0, where
     finite elements would break the tie at their error.
     """
-    from math import pi  # noqa: PLC0415
-
     if response.aspect_ratio == 1.0:
         return 0.0, 0.25 * pi
     return whole.angle_at_min, whole.where_at_min
@@ -159,8 +156,6 @@ def _lowest(response: FiberResponse, whole: Orbit) -> tuple[float, float]:
 
 def _printed(cases: list[Case]) -> dict[str, Any]:
     """Return the paper's periods of the cases of its Table 1, NaN for others."""
-    from math import nan  # noqa: PLC0415
-
     lines = [
         printed_period(case.aspect_ratio, case.shear_rate) if case.sweep != "viscosity" else None
         for case in cases
@@ -173,11 +168,6 @@ def _printed(cases: list[Case]) -> dict[str, Any]:
 
 def _around(cell: CellSolution, numerics: CellNumerics, scale: float) -> dict[str, Any]:
     """Return the pressure around a fiber at the angle with the lowest pressure, ``scale`` in Pa."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.near_field import near_field  # noqa: PLC0415
-    from fibermelt.fiber.orbit import orbit  # noqa: PLC0415
-
     angle, _ = _lowest(cell.response, orbit(cell.response, 1.0, 1.0))
     strain = 0.5 * np.array([np.sin(2.0 * angle), np.cos(2.0 * angle)])
     near = near_field(cell, numerics, REACH, RINGS, RAYS)

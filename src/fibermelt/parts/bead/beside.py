@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.parts.bead.shape import Sizes
 from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.bead.stages import stored_model
@@ -22,8 +23,6 @@ MODELS = ("confined-ellipse", "ellipse", "spheroid")
 
 def confined_ellipse(parameters: Parameters, ratio: float, size: float) -> FiberModel:
     """Solve the cell of a confined ellipse."""
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: loads NumPy
-
     numerics = CellNumerics(order=parameters["numerics.cell_order"], estimate=False)
     sizes = Sizes(parameters["fiber.half_length"], ratio)
     return SHAPES[MODELS[0]].model(sizes, size, numerics)

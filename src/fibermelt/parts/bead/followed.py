@@ -2,7 +2,7 @@
 
 Each way returns arrays by the names of their variables; ``middle`` (n_streamlines,) is the time at
 the middle of the capillary [s] and ``zone_time`` (n_streamlines, n_zones) when the zones are
-reached [s]. What computes is imported when it is asked for, as in the stages.
+reached [s]. What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
@@ -10,12 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.stages import Parameters, Say
+from fibermelt.fiber.extremes import extremes
+from fibermelt.fiber.motion import UNCHECKED, angle_to_stream_at, follow
+from fibermelt.fiber.newton import FreeFiber, NewtonSolver
+from fibermelt.fiber.pressure import surface_pressure
+from fibermelt.fiber.shape import Ellipse
+from fibermelt.fiber.spatial import spatial_pressure
 from fibermelt.parts.bead.newton import newton_motions
 from fibermelt.parts.melt.melt import law_of, newtonian_viscosity, viscosity_of
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from fibermelt.fiber.cell_data import CellNumerics
@@ -42,8 +49,6 @@ def followed_in_plane(
     say: Say,
 ) -> dict[str, Any]:
     """Return the fibers that enter at the initial angles, in the plane of the flow."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     angles = np.asarray(parameters["fiber.initial_angles"])
     say(f"{len(angles)} angles on {len(path.lines)} streamlines")
     error = _in_plane_error(parameters, path, model, angles, middle)
@@ -69,10 +74,6 @@ def _in_plane(
     tolerance: float,
 ) -> tuple[Turning, SurfaceHistory, Extremes]:
     """Return motion, surface pressure and extremes of fibers in the plane of the flow."""
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
-    from fibermelt.fiber.motion import follow  # noqa: PLC0415
-    from fibermelt.fiber.pressure import surface_pressure  # noqa: PLC0415
-
     motion = follow(path, model.turning, angles, tolerance)
     pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
     return motion, pressure, extremes(path, pressure, motion, middle)
@@ -90,10 +91,6 @@ def _in_plane_error(
     From the same fibers on every second point; they come first, as the last path that was followed
     is kept at hand for others.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.motion import UNCHECKED  # noqa: PLC0415
-
     coarse = path.every_second()
     tolerance = UNCHECKED if model.thinning is None else COARSE_TOLERANCE
     _, _, found = _in_plane(parameters, coarse, model, angles, middle, tolerance)
@@ -116,11 +113,7 @@ def followed_by_newton(
     points' spacing does to them is estimated by superposition: the algorithm itself would take half
     its time again.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     from fibermelt.fiber.cell import ThinningFiber, build_system  # noqa: PLC0415
-    from fibermelt.fiber.newton import FreeFiber, NewtonSolver  # noqa: PLC0415
-    from fibermelt.fiber.shape import Ellipse  # noqa: PLC0415
 
     fiber = Ellipse(parameters["fiber.half_length"], parameters["fiber.aspect_ratio"])
     angles, law = np.asarray(parameters["fiber.initial_angles"]), law_of(parameters)
@@ -151,11 +144,6 @@ def followed_in_space(
     They are ordered by their angle seen along z, which is that of the results; beside it stands
     their elevation out of the plane.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415
-    from fibermelt.fiber.spatial import spatial_pressure  # noqa: PLC0415
-
     body, viscosity = model.in_space, viscosity_of(parameters)
     start = model.directions(parameters["fiber.direction_count"], planar=path.planar)
     tolerance = parameters["numerics.angle_tolerance"]
@@ -185,8 +173,6 @@ def _on_line(
     zone_time: Array | None,
 ) -> dict[str, Any]:
     """Return what is known of the fibers of one streamline, by the names of its variables."""
-    from fibermelt.fiber.extremes import extremes  # noqa: PLC0415  lazy: see the module
-
     return {
         "angle": motion.angle,
         "lowest": pressure.lowest,
@@ -198,10 +184,6 @@ def _on_line(
 
 def _at_zones(path: FlowHistory, motion: Turning, zone_time: Array | None) -> dict[str, Any]:
     """Return the fibers' angles at the zones, where there are any."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.motion import angle_to_stream_at  # noqa: PLC0415
-
     if zone_time is None:
         return {}
     known = np.isfinite(zone_time)  # paths of a given flow may end before
@@ -222,8 +204,6 @@ def _stations(
 
 def _stacked(lines: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the variables of all streamlines."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     return {name: np.stack([line[name] for line in lines]) for name in lines[0]}
 
 

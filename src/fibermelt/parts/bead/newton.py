@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fibermelt.engine.progress import duration
 from fibermelt.engine.stages import Say
+from fibermelt.fiber.newton_motion import follow_newton
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from fibermelt.fiber.newton import FreeFiber
@@ -61,8 +63,6 @@ def newton_motions(
     ConfigError, ConvergenceError
         As in `fibermelt.fiber.follow_newton`.
     """
-    from fibermelt.fiber.newton_motion import follow_newton  # noqa: PLC0415  lazy, as the stages
-
     solves = SOLVES_PER_STEP * len(angles) * sum(len(one) for one in histories)
     seconds = _seconds_per_solve(free, histories[0], clock)
     say(
@@ -80,8 +80,6 @@ def newton_motions(
 
 def _seconds_per_solve(free: FreeFiber, history: FlowHistory, clock: Callable[[], float]) -> float:
     """Return the time of one linear solve [s]; the first ones, which warm caches, are not timed."""
-    import numpy as np  # noqa: PLC0415  lazy: see the stages
-
     melt, rest = (
         np.array([*history.velocity[0, :2], *history.plane_gradient[0].ravel()]),
         np.zeros(3),

@@ -1,7 +1,6 @@
 """The fiber's answers in a melt that thins, as a stage: a table over rate and direction.
 
 It depends on fiber, cell and law and on nothing of the flow, so that all flows of a melt share it.
-What computes is imported when the stage runs.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The fiber's stages: its cell, and its motion and pressure along streamlines, as labelled data.
 
-What computes is imported when a stage runs, so that a study that is stored costs nothing.
+What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
@@ -10,9 +10,16 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
+from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds
+from fibermelt.fiber.population import QUANTILE_LEVELS
+from fibermelt.fiber.thinning import ThinningResponse
+from fibermelt.history import FlowHistory
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
 from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.bead.shape import Sizes
@@ -22,9 +29,7 @@ from fibermelt.parts.melt.melt import law_of, viscosity_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.fiber.cell_data import CellNumerics
     from fibermelt.fiber.models import FiberModel
-    from fibermelt.history import FlowHistory
 
 __all__ = [
     "cell_estimates",
@@ -103,8 +108,6 @@ def domain_size(parameters: Parameters, inputs: Inputs) -> float:
 
 def cell_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved."""
-    from fibermelt.fiber.cell_data import CellNumerics  # noqa: PLC0415  lazy: see the module
-
     reference = parameters["fiber.pressure_reference"]
     if parameters["numerics.cell_mesh"] == "paper":
         return CellNumerics(mesh="paper", pressure_reference=reference)
@@ -113,7 +116,7 @@ def cell_numerics(parameters: Parameters) -> CellNumerics:
 
 def thinning_numerics(parameters: Parameters) -> CellNumerics:
     """Return how the study's cell is solved in a melt that thins."""
-    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415  lazy: see the module
+    from fibermelt.fiber.cell.thinning import THINNING_NUMERICS  # noqa: PLC0415  loads the finite elements
 
     return replace(
         THINNING_NUMERICS,
@@ -138,8 +141,6 @@ def stored_model(cell: xr.Dataset) -> FiberModel:
 @lru_cache(maxsize=MODELS_KEPT)
 def _restored(name: str, stored: tuple[tuple[str, tuple[int, ...], bytes], ...]) -> FiberModel:
     """Return the model of a fiber from its stored variables."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     return SHAPES[name].restored(
         {key: np.frombuffer(data).reshape(shape) for key, shape, data in stored}
     )
@@ -147,10 +148,6 @@ def _restored(name: str, stored: tuple[tuple[str, tuple[int, ...], bytes], ...])
 
 def stored_path(lines: xr.Dataset) -> FlowHistory:
     """Return the flow histories that were stored, stacked."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.history import FlowHistory  # noqa: PLC0415
-
     space = "z" in lines
     time, gradient, pressure = (lines[n].to_numpy() for n in ("time", "gradient", "pressure"))
     return FlowHistory(
@@ -168,8 +165,6 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
     model = stored_model(inputs["cell"])
     if "response" not in inputs:
         return model
-    from fibermelt.fiber.thinning import ThinningResponse  # noqa: PLC0415  lazy: see the module
-
     arrays = {str(name): one.to_numpy() for name, one in inputs["response"].variables.items()}
     return replace(model, thinning=ThinningResponse.from_arrays(law_of(parameters), arrays))
 
@@ -200,8 +195,6 @@ def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -
     what it does to the fiber's direction counts for the rest of ``e``: of the lowest over every
     orientation the pressure is off by as much as ``e`` is of ``d``.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     size = np.maximum(0.5 * path.shear_rate, np.finfo(float).tiny)
     error = np.abs(lowest) / size * lines["gradient_error"].to_numpy()
     index = [np.searchsorted(time, at) for time, at in zip(path.time, when, strict=True)]
@@ -214,7 +207,6 @@ def motion_estimates(parameters: Parameters, motion: xr.Dataset) -> tuple[Estima
     The median over all of them, in parts of the largest pressure that any orientation meets on the
     path.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
 
     def rows(name: str) -> Any:
         values = np.abs(motion[name].transpose("streamline", ...).to_numpy())
@@ -243,9 +235,6 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     What is over every orientation, bounds and quantiles, is by superposition on either path: the
     paper's algorithm would take a run of its own for each.
     """
-    from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds  # noqa: PLC0415
-    from fibermelt.fiber.population import QUANTILE_LEVELS  # noqa: PLC0415
-
     path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
     if not path.planar:
         _refuse_in_plane(parameters)

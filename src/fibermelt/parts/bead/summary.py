@@ -6,12 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import or_none
 from fibermelt.engine.results import table_of
 from fibermelt.numerals import rounded
 from fibermelt.parts.bead.checks import LONGEST_FIBER
+from fibermelt.parts.bead.config import Fiber
 from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
+from fibermelt.parts.melt.config import Melt
+from fibermelt.parts.melt.melt import melt_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,9 +82,6 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
 
 def melt_met(results: xr.Dataset) -> dict[str, float | None]:
     """Return what the melt goes through, as `summarize_bead` says."""
-    from fibermelt.parts.melt.config import Melt  # noqa: PLC0415  lazy: the cards
-    from fibermelt.parts.melt.melt import melt_of  # noqa: PLC0415
-
     regular = results.isel(streamline=results["near_singularity"].to_numpy() == 0)
     told = regular if regular.sizes["streamline"] else results
     known = melt_of(table_of(results, "melt", Melt)).rates
@@ -92,8 +94,6 @@ def melt_met(results: xr.Dataset) -> dict[str, float | None]:
 
 def _outside(results: xr.Dataset, slowest: float, fastest: float) -> float:
     """Return the share of the melt at rates beyond two [1/s], of time along, mean by flux."""
-    import numpy as np  # noqa: PLC0415  as in _extremes
-
     time, rate = (
         results[name].transpose("streamline", "point").to_numpy() for name in ("time", "shear_rate")
     )
@@ -110,8 +110,6 @@ def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
     ``du/dt = L u`` misses; the fiber's scale its length over that on which the gradient changes by
     its largest.
     """
-    import numpy as np  # noqa: PLC0415  as in _extremes
-
     time, rate = (
         results[name].transpose("streamline", "point").to_numpy() for name in ("time", "shear_rate")
     )
@@ -140,10 +138,6 @@ def _paths(results: xr.Dataset) -> list[dict[str, Any]]:
 
 def _fiber_scale(results: xr.Dataset) -> list[float]:
     """Return ``2 a max |dL/ds| / max |L|`` of each path [-]: how far a fiber outgrows its model."""
-    import numpy as np  # noqa: PLC0415  as in _extremes
-
-    from fibermelt.parts.bead.config import Fiber  # noqa: PLC0415  lazy: pydantic
-
     names = [name for name in "xyz" if name in results]
     place = np.stack([results[name].transpose("streamline", "point") for name in names], axis=-1)
     L = results["gradient"].transpose("streamline", "point", "row", "column").to_numpy()
@@ -191,8 +185,6 @@ def _thinning(results: xr.Dataset) -> dict[str, Any]:
     At one of any rate both are the same. The shape factor is that of a turn in simple shear, from
     the spins along and across the flow.
     """
-    import numpy as np  # noqa: PLC0415  as in _extremes
-
     rate = results["thinning_rate"].to_numpy()
     spin = results["thinning_spin"].transpose("thinning_rate", ...).to_numpy()
     factor = spin @ (-1.0) ** np.arange(spin.shape[1])
@@ -214,8 +206,6 @@ def _thinning(results: xr.Dataset) -> dict[str, Any]:
 
 
 def _extremes(results: xr.Dataset) -> list[dict[str, Any]]:
-    import numpy as np  # noqa: PLC0415  lazy: a run that finds everything done never needs it
-
     dims = ("streamline", "location", "kind", "initial_angle")
     values, x, y = (
         results[name].transpose(*dims).to_numpy() for name in ("extreme", "extreme_x", "extreme_y")
@@ -257,8 +247,6 @@ def _at_zones(results: xr.Dataset) -> list[dict[str, Any]]:
     A fiber has no head: its angle is known up to half turns. Each is taken within a quarter
     turn of the mean director ``arg(mean exp(2 i theta)) / 2``, where their mean makes sense.
     """
-    import numpy as np  # noqa: PLC0415  as in _extremes
-
     angle = results["zone_angle"].transpose("streamline", "zone", "initial_angle").to_numpy()
     director = np.angle(np.exp(2j * angle).mean(axis=-1, keepdims=True)) / 2
     near = director + np.angle(np.exp(2j * (angle - director))) / 2

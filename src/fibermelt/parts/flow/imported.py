@@ -1,7 +1,4 @@
-"""The stages of a flow that is not solved here: another solver's field, and the paths through it.
-
-What computes is imported when a stage runs, so that a study that is stored costs nothing.
-"""
+"""The stages of a flow that is given: another solver's field, and the paths through it."""
 
 from __future__ import annotations
 
@@ -9,19 +6,26 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
+from fibermelt.fields import paths as through
+from fibermelt.fields.field import Field
+from fibermelt.fields.mapping import FieldMap
+from fibermelt.fields.paths import trace_field
+from fibermelt.fields.reading import read_field
 from fibermelt.parts.flow.given import refuse_changed
 from fibermelt.parts.flow.paths_table import STATIONS
 from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of
+from fibermelt.path_table import as_many_points, read_paths
 from fibermelt.units import parse_plane
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from fibermelt.fields.field import Field
     from fibermelt.fields.paths import FieldPath, Seeds
     from fibermelt.history import FlowHistory
 
@@ -49,11 +53,6 @@ def is_given(lines: xr.Dataset) -> bool:
 
 def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Read another solver's field, and recover its velocity gradient."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fields.mapping import FieldMap  # noqa: PLC0415
-    from fibermelt.fields.reading import read_field  # noqa: PLC0415
-
     wanted = parameters.section("field")
     file, content = wanted.pop("file"), wanted.pop("content")
     refuse_changed("field", file, content)
@@ -78,8 +77,6 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
 def stored_field(data: xr.Dataset) -> Field:
     """Return the field that was stored."""
-    from fibermelt.fields.field import Field  # noqa: PLC0415  lazy: see the module
-
     values: dict[str, Any] = {name: data[f"field_{name}"].to_numpy() for name in FIELD_VALUES}
     values |= {name: values[name] != 0 for name in ("near_wall", "near_edge", "cut")}
     optional: dict[str, Any] = {
@@ -107,8 +104,6 @@ def _trace(
     parameters: Parameters, inputs: Inputs, say: Say
 ) -> tuple[Sequence[FlowHistory], dict[str, Any]]:
     """Trace paths through a field."""
-    from fibermelt.fields.paths import trace_field  # noqa: PLC0415  lazy: see the module
-
     field, points = stored_field(inputs["field"]), parameters["streamlines.points"]
     seeds = _seeds(parameters, field)
     say(f"tracing {len(seeds.points)} paths of {points} points")
@@ -121,10 +116,6 @@ def _trace(
 
 def _seeds(parameters: Parameters, field: Field) -> Seeds:
     """Return where a study has its paths begin."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fields import paths as through  # noqa: PLC0415
-
     wanted = parameters.section("paths")
     start, stop = np.array(wanted["from"]), np.array(wanted["to"])
     if wanted["seeds"] == "points":
@@ -142,8 +133,6 @@ def _seeds(parameters: Parameters, field: Field) -> Seeds:
 
 def _traced(paths: Sequence[FieldPath]) -> dict[str, Any]:
     """Return traced paths as they are stored."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     return {
         **along_paths([path.history for path in paths]),
         "gradient_error": np.stack([path.gradient_error for path in paths]),
@@ -167,8 +156,6 @@ def stations(
     ConfigError
         If no path reaches a station, or one reaches them in another order than it should.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     texts = {f"paths.{name}": parameters[f"paths.{name}"] for name in STATIONS}
     planes = {name: parse_plane(text) for name, text in texts.items() if text}
     if not planes:
@@ -215,8 +202,6 @@ def _middle_time(
     leave: tuple[int, float] | None,
 ) -> Any:
     """Return when paths pass halfway between two planes; None unless all of them do."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     if entrance is None or leave is None or entrance[0] != leave[0]:
         return None
     place = 0.5 * (entrance[1] + leave[1])
@@ -229,10 +214,6 @@ def _read_histories(
     parameters: Parameters, say: Say
 ) -> tuple[Sequence[FlowHistory], dict[str, Any]]:
     """Read a table of paths."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.path_table import as_many_points, read_paths  # noqa: PLC0415
-
     file = parameters["paths.file"]
     refuse_changed("paths", file, parameters["paths.content"])
     table = read_paths(file)
@@ -258,8 +239,6 @@ def _read_histories(
 
 def along_paths(histories: Sequence[FlowHistory]) -> dict[str, Any]:
     """Return what is met along paths by the names of its variables, and how well it fits."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     planar = all(history.planar for history in histories)
     found = [history.consistency() for history in histories]
 

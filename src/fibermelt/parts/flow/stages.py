@@ -1,6 +1,6 @@
 """The flow's stages: the deposition flow, and the streamlines through it, as labelled data.
 
-What computes is imported when a stage runs, so that a study that is stored costs nothing.
+What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
@@ -8,8 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Neighbour, Parameters, Say, Scaled
+from fibermelt.flow.field import FlowField
+from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.flow.vtu import write_vtu
 from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.flow.quantities import QUANTITIES
@@ -20,8 +25,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fibermelt.flow.deposition import FlowSolution
-    from fibermelt.flow.field import FlowField
-    from fibermelt.flow.problem import Deposition
     from fibermelt.flow.start import StartShape
 
 __all__ = [
@@ -90,8 +93,6 @@ FINER = "take shorter edges in numerics, such as lip_edge and contact_edge, or a
 
 def _problem(parameters: Parameters) -> Deposition:
     """Return the deposition problem of a study."""
-    from fibermelt.flow.problem import Deposition, Nozzle  # noqa: PLC0415  lazy: see the module
-
     flow = parameters.section("flow")
     flow.pop("source")
     speeds = {name: flow.pop(name) for name in ("inlet_speed", "bed_speed")}
@@ -106,7 +107,7 @@ def start_from(flow: xr.Dataset) -> StartShape:
     ConfigError
         If the surfaces in it are none.
     """
-    from fibermelt.flow.start import StartShape  # noqa: PLC0415  lazy: see the module
+    from fibermelt.flow.start import StartShape  # noqa: PLC0415  loads the finite elements
 
     return StartShape(flow["upstream_surface"].to_numpy(), flow["downstream_surface"].to_numpy())
 
@@ -121,8 +122,7 @@ def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowS
 
     The start is no part of the stage's key: it changes the answer by less than its stated error.
     """
-    from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  lazy: see the module
-    from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
+    from fibermelt.flow.deposition import solve_deposition  # noqa: PLC0415  loads the finite elements
 
     numerics = FlowNumerics(
         **{key.removeprefix("numerics."): parameters[key] for key in FLOW_NUMERICS}
@@ -132,8 +132,6 @@ def _solved(parameters: Parameters, say: Say, start: StartShape | None) -> FlowS
 
 def flow_estimates(parameters: Parameters, flow: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the errors of a flow, each with its bound."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     from fibermelt.flow.deposition import LARGEST_ERROR  # noqa: PLC0415
 
     width = parameters["flow.capillary_width"]
@@ -212,10 +210,6 @@ def _stored(solution: FlowSolution) -> xr.Dataset:
 
 def _field(flow: xr.Dataset) -> FlowField:
     """Return the flow field that was stored."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.flow.field import FlowField  # noqa: PLC0415
-
     return FlowField(
         order=int(flow["field_order"]),
         points=np.stack([flow["node_x"], flow["node_y"]], axis=-1),
@@ -240,8 +234,6 @@ def _solution(parameters: Parameters, flow: xr.Dataset) -> FlowSolution:
 
 def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Trace the streamlines of equal flux, or return the paths of a flow from elsewhere."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     if parameters["flow.source"] != "deposition":
         return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters), MELT))
 
@@ -275,8 +267,6 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
 
 def _law_curve(parameters: Parameters) -> dict[str, Any]:
     """Return the viscosity of a melt that thins over its rates, to be drawn."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     if not thins(parameters):
         return {}
     rate = np.geomspace(*LAW_RATES)
@@ -288,8 +278,6 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
 
     The gradient's is that of the lines which pass no singular corner.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     if "gradient_error" not in lines:
         return ()
     regular = lines["near_singularity"].to_numpy() == 0
@@ -312,6 +300,4 @@ def write_fields(results: xr.Dataset, folder: Path) -> None:
     """Write the flow for ParaView; one that was given is there already."""
     if "cell_nodes" not in results:
         return
-    from fibermelt.flow.vtu import write_vtu  # noqa: PLC0415  lazy: see the module
-
     write_vtu(_field(results), folder / "flow.vtu")

@@ -1,14 +1,21 @@
-"""The paper's section 2.5 for any fiber: from content to the cell; its Fig. 14 and 15.
-
-What computes is imported when the stage runs, so that a study that is stored costs nothing.
-"""
+"""The paper's section 2.5 for any fiber: from content to the cell; its Fig. 14 and 15."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.fiber.stall import CURVE_TOLERANCE, PAPER_DOMAIN_END, paper_stall_angle, stall_curve
+from fibermelt.fiber.stall_data import StallCurve
+from fibermelt.fiber.tumbling import turned_angle
+from fibermelt.orientation.closures import closure as named
+from fibermelt.orientation.flows import flow_gradient
+from fibermelt.orientation.interaction import paper_domain_size, paper_preferred_angle, regime
+from fibermelt.orientation.steady import steady_state
 from fibermelt.parts.interaction.quantities import QUANTITIES
 from fibermelt.parts.interaction.suspension import (
     DISTRIBUTION,
@@ -18,11 +25,8 @@ from fibermelt.parts.interaction.suspension import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
-
-    from fibermelt.fiber.stall_data import StallCurve
 
     Array = NDArray[np.float64]
 
@@ -53,8 +57,6 @@ paper's Eq. 32 is compared with from that cell on, as a parabola cannot follow s
 
 def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Compute where a confined fiber stalls, against the size of its cell."""
-    from fibermelt.fiber.stall import stall_curve  # noqa: PLC0415  lazy: see the module
-
     curve = stall_curve(parameters["fiber.aspect_ratio"])
     say(f"the fiber stalls in cells up to M = {curve.largest_stalling_domain:.4f}")
     return labelled(
@@ -71,8 +73,6 @@ def stall_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
 
 def stall_estimates(parameters: Parameters, stall: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the error of the stall angle's curve with its bound, that of `stall_curve`."""
-    from fibermelt.fiber.stall import CURVE_TOLERANCE  # noqa: PLC0415  lazy: see the module
-
     error = float(stall["stall_shape_factor_error"])
     cure = "take another fiber.aspect_ratio"
     return (Estimate("stall_shape_factor_error", error, CURVE_TOLERANCE, cure),)
@@ -80,8 +80,6 @@ def stall_estimates(parameters: Parameters, stall: xr.Dataset) -> tuple[Estimate
 
 def stored_curve(stall: xr.Dataset) -> StallCurve:
     """Return the curve that was stored."""
-    from fibermelt.fiber.stall_data import StallCurve  # noqa: PLC0415  lazy: see the module
-
     return StallCurve(
         float(stall["stall_aspect_ratio"]),
         stall["stall_domain_size"].to_numpy(),
@@ -96,8 +94,6 @@ def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datase
     The suspension is Folgar and Tucker's, whatever model the tensors follow along the streamlines.
     The cell is the one in which a single fiber stalls at the preferred angle of its suspension.
     """
-    from fibermelt.orientation.interaction import regime  # noqa: PLC0415  lazy: see the module
-
     aspect_ratio = parameters["fiber.aspect_ratio"]
     content = parameters["interaction.volume_fraction"]
     interaction = interaction_coefficient(
@@ -123,8 +119,6 @@ def content_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Datase
 
 def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Compute stall angles against cells, preferred angles against C_I, and one against another."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     curve = stored_curve(inputs["stall"])
     interaction = LEAST_INTERACTION * 2.0 ** (np.arange(INTERACTIONS) / STEPS_AN_OCTAVE)
     aspect_ratio, closure = parameters["fiber.aspect_ratio"], parameters["interaction.closure"]
@@ -153,10 +147,6 @@ def interaction_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
 
 def _stalling(curve: StallCurve) -> dict[str, Any]:
     """Return how fibers turn, from across the flow, until they stall (the paper's Fig. 14a-b)."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.tumbling import turned_angle  # noqa: PLC0415
-
     largest = np.floor(10 * curve.largest_stalling_domain) / 10
     sizes = np.linspace(min(SMALLEST_DRAWN, largest), largest, 5)
     time, factor = np.linspace(0.0, LONGEST_TIME, TIMES), curve.value(sizes)
@@ -171,10 +161,6 @@ def _stalling(curve: StallCurve) -> dict[str, Any]:
 
 def _stall_angles(curve: StallCurve) -> dict[str, Any]:
     """Return the stall angle against the size of the cell (Fig. 14c), Eq. 32 where it holds."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.stall import PAPER_DOMAIN_END, paper_stall_angle  # noqa: PLC0415
-
     sizes = np.linspace(float(curve.domain_size[0]), curve.largest_stalling_domain, SIZES)
     angle = np.nan_to_num(curve.stall_angle(sizes), nan=0.0)
     fitted = (sizes >= SMALLEST_DRAWN) & (sizes <= PAPER_DOMAIN_END)
@@ -194,8 +180,6 @@ def _by_convention(aspect_ratio: float, interaction: Array, closure: str) -> Arr
     The paper's rate of deformation is ``sqrt(2)`` times the standard one, so its angles are the
     standard ones of a ``C_I`` half an octave up.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     shift = STEPS_AN_OCTAVE // 2
     beyond = interaction[-1] * 2.0 ** (np.arange(1, shift + 1) / STEPS_AN_OCTAVE)
     every = np.concatenate([interaction, beyond])
@@ -205,13 +189,6 @@ def _by_convention(aspect_ratio: float, interaction: Array, closure: str) -> Arr
 
 def _angles(aspect_ratio: float, interaction: Array, closure: str) -> Array:
     """Return preferred angles [rad] in the standard convention, NaN where there is none."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.errors import ConvergenceError  # noqa: PLC0415
-    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415
-    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
-    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
-
     models = [folgar_tucker(aspect_ratio, float(C_I), "standard") for C_I in interaction]
     if closure == DISTRIBUTION:
         return np.array([preferred_angle(model, DISTRIBUTION) for model in models])
@@ -233,8 +210,6 @@ def _angles(aspect_ratio: float, interaction: Array, closure: str) -> Array:
 
 def _domain_size(curve: StallCurve, angle: float) -> float:
     """Return the cell that stalls the fiber at an angle, NaN where none does."""
-    from fibermelt.errors import ConfigError  # noqa: PLC0415  lazy: see the module
-
     try:
         return curve.domain_size_at(angle)
     except ConfigError:
@@ -243,13 +218,6 @@ def _domain_size(curve: StallCurve, angle: float) -> float:
 
 def _polynomials(interaction: Array, angle: Array, domain: Array) -> dict[str, Any]:
     """Return the paper's Eq. 33 and 34 and how far the computed curves are, by convention."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.orientation.interaction import (  # noqa: PLC0415
-        paper_domain_size,
-        paper_preferred_angle,
-    )
-
     angles, sizes = paper_preferred_angle(interaction), paper_domain_size(interaction)
     return {
         "interaction_angle_paper": angles,
@@ -261,7 +229,5 @@ def _polynomials(interaction: Array, angle: Array, domain: Array) -> dict[str, A
 
 def _largest(difference: Array) -> float:
     """Return the largest size of a difference, over where both sides are."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     known = np.abs(difference[np.isfinite(difference)])
     return float(known.max()) if known.size else float("nan")

@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.orientation.closures import closure as named
+from fibermelt.orientation.flows import flow_gradient, shear_rate, strain_and_spin
+from fibermelt.orientation.fokker_planck import steady_distribution
+from fibermelt.orientation.interaction import interaction_law
+from fibermelt.orientation.kinetics import CONVENTIONS
+from fibermelt.orientation.steady import steady_state
+from fibermelt.orientation.tensors import preferred_angle as angle_of
 from fibermelt.parts.interaction.models import build_model
 
 if TYPE_CHECKING:
@@ -30,8 +37,6 @@ def interaction_coefficient(
     coefficient: float | None, law: str, volume_fraction: float, aspect_ratio: float
 ) -> float:
     """Return ``C_I`` [-]: as given, or what a law says of content and aspect ratio."""
-    from fibermelt.orientation.interaction import interaction_law  # noqa: PLC0415  lazy
-
     if coefficient is not None:
         return coefficient
     return interaction_law(law).coefficient(volume_fraction, aspect_ratio)
@@ -45,9 +50,6 @@ def folgar_tucker(aspect_ratio: float, interaction: float, convention: Any) -> F
 
 def rotary_diffusivity(model: FolgarTucker, gradient: Array) -> Array:
     """Return ``D_r = C_I gamma_dot`` [1/s] of velocity gradients (..., 3, 3), (...)."""
-    from fibermelt.orientation.flows import shear_rate, strain_and_spin  # noqa: PLC0415  lazy
-    from fibermelt.orientation.kinetics import CONVENTIONS  # noqa: PLC0415
-
     rate = shear_rate(strain_and_spin(gradient)[0])
     return model.interaction * CONVENTIONS[model.convention] * rate
 
@@ -57,12 +59,6 @@ def preferred_angle(model: FolgarTucker, closure: str) -> float:
 
     The closure may be `DISTRIBUTION`, which is none: the distribution's own moment.
     """
-    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415  lazy
-    from fibermelt.orientation.flows import flow_gradient  # noqa: PLC0415
-    from fibermelt.orientation.fokker_planck import steady_distribution  # noqa: PLC0415
-    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
-    from fibermelt.orientation.tensors import preferred_angle as angle_of  # noqa: PLC0415
-
     shear = flow_gradient("simple-shear")
     if closure != DISTRIBUTION:
         return steady_state(model, shear, named(closure)).angle

@@ -1,25 +1,30 @@
-"""Orientation tensors along the streamlines.
-
-What computes is imported when a stage runs, so that a study that is stored costs nothing.
-"""
+"""Orientation tensors along the streamlines."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
+from fibermelt.orientation.closures import closure as named
+from fibermelt.orientation.evolve import follow_orientation
+from fibermelt.orientation.flows import embedded
+from fibermelt.orientation.fokker_planck import follow_distribution, steady_distribution
+from fibermelt.orientation.models import FolgarTucker
+from fibermelt.orientation.steady import steady_state
+from fibermelt.orientation.tensors import isotropic
 from fibermelt.parts.interaction.config import OWN, WITHOUT_COEFFICIENT
 from fibermelt.parts.interaction.models import build_model, model_in_words
 from fibermelt.parts.interaction.suspension import interaction_coefficient, rotary_diffusivity
 from fibermelt.parts.orientation.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fibermelt.orientation.models import FolgarTucker, OrientationModel
+    from fibermelt.orientation.models import OrientationModel
 
     Array = NDArray[np.float64]
 
@@ -39,12 +44,6 @@ def orientation_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
 
     The distribution is known for isotropic diffusion only: beside Folgar and Tucker's model.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.orientation.closures import closure as named  # noqa: PLC0415
-    from fibermelt.orientation.evolve import follow_orientation  # noqa: PLC0415
-    from fibermelt.orientation.models import FolgarTucker  # noqa: PLC0415
-
     lines = inputs["streamlines"]
     time, gradient = lines["time"].to_numpy(), lines["gradient"].to_numpy()
     aspect_ratio, name = parameters["fiber.aspect_ratio"], parameters["interaction.model"]
@@ -107,11 +106,6 @@ CENTER_FRACTION = 9.5 / 22
 
 def _start(name: str, model: OrientationModel, first: Array, closure: Any) -> Array:
     """Return the tensors with which fibers enter, one for each streamline."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.orientation.steady import steady_state  # noqa: PLC0415
-    from fibermelt.orientation.tensors import isotropic  # noqa: PLC0415
-
     if name == "isotropic":
         return np.broadcast_to(isotropic(), (len(first), 3, 3))
     return np.stack([steady_state(model, L, closure).a for L in first])
@@ -124,12 +118,6 @@ def _distribution(
 
     No closure is in it. It starts isotropic, or steady in the inlet's flow.
     """
-    from fibermelt.orientation.flows import embedded  # noqa: PLC0415  lazy: see the module
-    from fibermelt.orientation.fokker_planck import (  # noqa: PLC0415
-        follow_distribution,
-        steady_distribution,
-    )
-
     L = embedded(gradient)
     diffusivity, xi = rotary_diffusivity(model, L), model.shape_factor
     steady = enters != "isotropic"

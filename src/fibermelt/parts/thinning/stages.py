@@ -2,7 +2,7 @@
 
 All have the study's viscosity at one rate, so that what differs is the index alone. Three causes
 are told apart: the flow thins and fibers see its local viscosity; the flow is the Newtonian one
-and the fiber's own melt thins; both do. What computes is imported when the stage runs.
+and the fiber's own melt thins; both do.
 """
 
 from __future__ import annotations
@@ -10,8 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Neighbour, Parameters, Say, refuse_beyond
+from fibermelt.fiber.extremes import before_middle
+from fibermelt.fiber.motion import follow
+from fibermelt.fiber.orbit import orbit
+from fibermelt.fiber.pressure import LocalViscosity, pressure_bounds, surface_pressure
+from fibermelt.melt import PowerLaw
 from fibermelt.parts.bead.beside import fiber_models
 from fibermelt.parts.bead.response import response_estimates, thinning_response
 from fibermelt.parts.bead.stages import domain_size, stored_path
@@ -27,13 +34,11 @@ from fibermelt.parts.thinning.quantities import QUANTITIES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
     from fibermelt.fiber.models import FiberModel
     from fibermelt.fiber.pressure import Viscosity
-    from fibermelt.melt import PowerLaw
 
     Array = NDArray[np.float64]
 
@@ -50,8 +55,6 @@ SLENDEREST = 20.0
 
 def effect_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Compare the study's bead with beads of melts that thin."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     known = MODELS[:1] if parameters["fiber.aspect_ratio"] > SLENDEREST else MODELS
     models = fiber_models(parameters, inputs["cell"], domain_size(parameters, inputs))
     newtonian = [model for model in models if model.name in known]
@@ -89,8 +92,6 @@ def effect_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
 
 def _law(parameters: Parameters, index: float) -> PowerLaw:
     """Return the power law that has the study's viscosity at the rate."""
-    from fibermelt.melt import PowerLaw  # noqa: PLC0415  lazy: see the module
-
     rate = parameters["thinning.rate"]
     return PowerLaw(newtonian_viscosity(parameters) * rate ** (1.0 - index), index)
 
@@ -135,11 +136,6 @@ def _on_fibers(
     lines: xr.Dataset,
 ) -> dict[str, Any]:
     """Return what one model of a fiber sees in one melt, by cause, and its turn in simple shear."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.orbit import orbit  # noqa: PLC0415
-    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415
-
     rate = parameters["thinning.rate"]
     stress = float(law.stress_at(rate))
     if thinned.thinning is None:
@@ -170,12 +166,6 @@ def _below_nozzle(
 
     The mean over the initial angles of what each fiber meets, and that of any direction.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.fiber.extremes import before_middle  # noqa: PLC0415
-    from fibermelt.fiber.motion import follow  # noqa: PLC0415
-    from fibermelt.fiber.pressure import pressure_bounds, surface_pressure  # noqa: PLC0415
-
     path = stored_path(lines)
     angles = np.asarray(parameters["fiber.initial_angles"])
     motion = follow(path, model.turning, angles, parameters["numerics.angle_tolerance"])

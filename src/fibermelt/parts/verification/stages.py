@@ -1,6 +1,6 @@
 """The verification ladder as a stage, so that a study can show what its installation was held to.
 
-What computes is imported when the stage runs, so that a study that is stored costs nothing.
+What loads the finite elements is imported where it is used.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.parts.verification.quantities import QUANTITIES
+from fibermelt.verify.ladder import as_dataset_rows, chosen, climb
+from fibermelt.verify.words import versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,9 +21,7 @@ __all__ = ["verification_stage"]
 
 def verification_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Climb the ladder as far as the study says; a check that fails is stored as such."""
-    from fibermelt.verify.ladder import as_dataset_rows, chosen, climb  # noqa: PLC0415  lazy
     from fibermelt.verify.rungs import LADDER  # noqa: PLC0415
-    from fibermelt.verify.words import versions  # noqa: PLC0415
 
     extent = parameters["study.ladder"]
     checks = climb(chosen(LADDER, extent), say=lambda subject, name: say(f"{subject}: {name}"))

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -36,8 +37,6 @@ def layer_weights(height: Array, regular: NDArray[np.bool_], layers: int) -> Arr
     layers : int
         Number of layers of equal flux, from the bed.
     """
-    import numpy as np  # noqa: PLC0415  lazy: a run that finds everything done never needs it
-
     count = len(height)
     below = np.argsort(np.argsort(height, kind="stable"))
     floor = np.arange(layers)[:, None] / layers
@@ -64,8 +63,6 @@ def layer_profile(
     layers : int
         Number of layers.
     """
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     height = found["void_height"]
     bead = _bead_height(height)
     lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
@@ -96,8 +93,6 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
     streamline, and the mean over the flux (over all paths of a flow from elsewhere), which
     takes saturation where no moisture suffices, as no polymer holds more.
     """
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
     most = found["void_saturation_moisture"]
     capped = np.where(np.isnan(limit), most, limit)
@@ -138,8 +133,6 @@ def _bead_height(height: Array) -> float:
 
 def _least(values: Array, weights: Array) -> Array:
     """Return the least value in each layer, (layers, ...); NaN where there is none."""
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     here = (weights > 0.0)[..., None] & ~np.isnan(values)
     least = np.min(np.broadcast_to(values, here.shape), axis=1, where=here, initial=np.inf)
     return np.where(np.isfinite(least), least, np.nan)
@@ -147,6 +140,4 @@ def _least(values: Array, weights: Array) -> Array:
 
 def _hide(values: Array, empty: NDArray[np.bool_]) -> Array:
     """Return NaN where a layer has no streamline."""
-    import numpy as np  # noqa: PLC0415  lazy, as above
-
     return np.where(empty.reshape(-1, *(1,) * (values.ndim - 1)), np.nan, values)

@@ -1,28 +1,34 @@
-"""The stage of voids: local pressures on fibers against the vapor pressure of moisture.
-
-What computes is imported when the stage runs, so that a study that is stored costs nothing.
-"""
+"""The stage of voids: local pressures on fibers against the vapor pressure of moisture."""
 
 from __future__ import annotations
 
+from math import nan
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
+from fibermelt.fiber import Spheroid, unbounded_spheroid
+from fibermelt.fiber.pressure import LocalViscosity, newtonian_viscosity, pressure_bounds
+from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid
+from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
+from fibermelt.parts.voids.melt import moist_melt
+from fibermelt.parts.voids.profile import bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
+from fibermelt.voids import ATMOSPHERE, assess, critical_radius, saturation_pressure
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
-    from fibermelt.fiber import Spheroid, SpheroidResponse
+    from fibermelt.fiber import SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
-    from fibermelt.melt import ViscosityLaw
     from fibermelt.parts.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
 
@@ -40,9 +46,6 @@ ORIENTED = "oriented tips"
 
 def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Hold the pressure on fibers against the vapor pressure, along every streamline."""
-    from fibermelt.parts.melt.cards import card_of  # noqa: PLC0415  lazy: see the module
-    from fibermelt.parts.voids.melt import moist_melt  # noqa: PLC0415
-
     voids = parameters.section("voids")
     melt = moist_melt(
         card_of(parameters[f"{CARD}.key"], parameters[f"{CARD}.text"]),
@@ -76,9 +79,6 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     xarray.Dataset
         The variables of `fibermelt.parts.voids.quantities`.
     """
-    from fibermelt.parts.voids.profile import bead_totals, layer_profile  # noqa: PLC0415  as above
-    from fibermelt.voids import ATMOSPHERE, assess  # noqa: PLC0415
-
     lines, motion = inputs["streamlines"], inputs["motion"]
     basis, gauge = _local_pressures(inputs, viscosity)
     laws, temperature = melt.card.melt, melt.temperature
@@ -116,8 +116,6 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
 
     The pressures have shape (streamline, basis, point).
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     lines, motion = inputs["streamlines"], inputs["motion"]
     own = lines["pressure"].to_numpy()
     quantiles = motion["quantile_lowest"].transpose("quantile", "streamline", "point").to_numpy()
@@ -135,10 +133,6 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
 
 def _spheroids(inputs: Inputs, viscosity: Viscosity) -> dict[str, Array]:
     """Return the lowest pressure on spheroids by basis, (streamline, point) [Pa, relative]."""
-    from fibermelt.fiber import Spheroid, unbounded_spheroid  # noqa: PLC0415
-    from fibermelt.fiber.pressure import newtonian_viscosity  # noqa: PLC0415
-    from fibermelt.melt import ViscosityLaw  # noqa: PLC0415
-
     fiber = Spheroid(1.0, float(inputs["cell"]["aspect_ratio"]))
     if isinstance(viscosity, ViscosityLaw):
         return _thinned_spheroid(inputs, fiber, viscosity)
@@ -158,9 +152,6 @@ def _thinned_spheroid(inputs: Inputs, fiber: Spheroid, law: ViscosityLaw) -> dic
     Nothing where aspect ratio or index lie beyond the table of such spheroids. The mean at the tips
     of others than these needs the closed form of a Newtonian melt.
     """
-    from fibermelt.fiber.pressure import pressure_bounds  # noqa: PLC0415
-    from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid  # noqa: PLC0415
-
     try:
         table = unbounded_thinning_spheroid(fiber, law)
     except ConfigError:
@@ -184,8 +175,6 @@ def _mean_at_tips(spheroid: SpheroidResponse, gradient: Array, tensor: Array) ->
     tensor : (..., 3, 3) array
         Orientation tensors.
     """
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     stretch = np.einsum("...ij,...ij->...", gradient, tensor)
     return np.asarray((spheroid.offset - spheroid.axial) * stretch)
 
@@ -199,8 +188,6 @@ def _on_fibers(lines: xr.Dataset, motion: xr.Dataset) -> Array:
 
 def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
     """Return what the melt is."""
-    from fibermelt.voids import saturation_pressure  # noqa: PLC0415  lazy: see the module
-
     laws, temperature = melt.card.melt, melt.temperature
     return {
         "void_material": melt.card.key,
@@ -220,10 +207,6 @@ def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
 
 def _onset(melt: MoistMelt, found: Assessment) -> dict[str, Any]:
     """Return what classical nucleation says, as far as the card and the moisture allow."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
-    from fibermelt.voids import critical_radius  # noqa: PLC0415
-
     laws, temperature = melt.card.melt, melt.temperature
     nothing = np.full(found.margin.shape, np.nan)
     onset = dict.fromkeys(
@@ -257,11 +240,6 @@ def _onset(melt: MoistMelt, found: Assessment) -> dict[str, Any]:
 
 def _speed_exponent(viscosity: Viscosity) -> float:
     """Return the power of both speeds that all stresses go with: of a power law, its index."""
-    from math import nan  # noqa: PLC0415
-
-    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415  lazy: see the module
-    from fibermelt.melt import PowerLaw  # noqa: PLC0415
-
     law = viscosity.law if isinstance(viscosity, LocalViscosity) else viscosity
     if isinstance(law, float):
         return 1.0
@@ -277,8 +255,6 @@ def _in_space(lines: xr.Dataset, found: Assessment) -> dict[str, Array]:
 
 def _at_lowest(values: Array, found: Assessment) -> Array:
     """Return values (streamline, 1 or basis, point) at the lowest pressure."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     index = found.lowest_index[..., None]
     wide = np.broadcast_to(values, (*found.lowest_index.shape, values.shape[-1]))
     return np.asarray(np.take_along_axis(wide, index, axis=-1)[..., 0])
@@ -286,6 +262,4 @@ def _at_lowest(values: Array, found: Assessment) -> Array:
 
 def _none(values: Array) -> Array:
     """Return NaN where there is no such number: what is infinite is not there."""
-    import numpy as np  # noqa: PLC0415  lazy: see the module
-
     return np.where(np.isfinite(values), values, np.nan)
