@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fibermelt.errors import ConfigError
-from fibermelt.fiber import newton_motion
 from fibermelt.history import FlowHistory
+from fibermelt.parts.bead import newton
 from fibermelt.parts.bead.newton import newton_motions
 from fibermelt.study.loading import resolve
 
@@ -29,7 +29,7 @@ def test_time_to_go_is_at_the_pace_so_far(monkeypatch):
         now[0] += 600.0
         return history
 
-    monkeypatch.setattr(newton_motion, "follow_newton", follow)
+    monkeypatch.setattr(newton, "follow_newton", follow)
     free = SimpleNamespace(unknowns=7, solves=0, motion=motion)
     lines, histories = [], [history(50)] * 3
     angles = np.zeros(13)

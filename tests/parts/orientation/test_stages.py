@@ -275,6 +275,7 @@ def test_a_cell_as_large_as_the_content_says() -> None:
     given = {
         "fiber.half_length": 42e-6,
         "fiber.aspect_ratio": 6.0,
+        "fiber.thickness_ratio": None,
         "fiber.model": "confined-ellipse",
         "fiber.domain_size": "from-content",
         "fiber.pressure_reference": "mean",

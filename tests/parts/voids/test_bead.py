@@ -289,7 +289,7 @@ def test_a_flow_that_was_not_solved_here_has_no_bed():
     assert not [name for name in assessed(results) if "layer" in name or "height" in name]
     assert summary["voids"]["profile"] == []
     assert "height" not in summary["voids"]["streamlines"][0]
-    page = risk.voids(assessed(results), summary)
+    page = risk.voids.words(assessed(results), summary)
     for told in ("\n".join(voids_in_words(summary)), page):
         assert "under tension" in told
         others = ("bead", "the bed", "both speeds", "treamline")
