@@ -140,8 +140,8 @@ def test_a_message_is_one_line_whatever_the_path_holds(tmp_path):
 def test_results_of_other_parameters_are_not_replaced_in_silence(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fibermelt.study.chain.CHAIN", fakes.CHAIN)
-    monkeypatch.setattr("fibermelt.report.page.lazily.draw", fakes.draw)
-    monkeypatch.setattr("fibermelt.report.page.lazily.render", lambda *of_the_run: b"<html/>")
+    monkeypatch.setattr("fibermelt.report.page.draw", fakes.draw)
+    monkeypatch.setattr("fibermelt.report.page.render", lambda *of_the_run: b"<html/>")
     other = ("-s", "flow.gap=3.5 mm")
     note = "note: results/paper shows a run of other parameters, which this one replaces; "
     assert "note" not in fibermelt("run", "paper").stderr

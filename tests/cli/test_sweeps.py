@@ -234,8 +234,8 @@ def test_clean_takes_what_no_case_needs(tmp_path):
 
 
 def test_clean_keeps_the_run_on_show(tmp_path, monkeypatch):
-    monkeypatch.setattr("fibermelt.report.page.lazily.draw", lambda results, folder: [])
-    monkeypatch.setattr("fibermelt.report.page.lazily.render", lambda *of_the_run: b"<html/>")
+    monkeypatch.setattr("fibermelt.report.page.draw", lambda results, folder: [])
+    monkeypatch.setattr("fibermelt.report.page.render", lambda *of_the_run: b"<html/>")
     _, out, _ = swept(tmp_path)
     shown = fibermelt("run", "paper", "--out", out, "-s", "flow.gap=3.7 mm")
     assert shown.exit_code == 0, shown.stderr
