@@ -1,7 +1,6 @@
 """One melt for a study: a card, what the study says otherwise, and what stages read of both."""
 
 import tomllib
-from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -9,10 +8,9 @@ import pytest
 from fibermelt.engine.stages import Parameters, keys
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import ConfigError
-from fibermelt.melt import LAWS, CarreauYasuda, Cross, Newtonian, PowerLaw
+from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw
 from fibermelt.parts.melt.cards import material_names
 from fibermelt.parts.melt.melt import law_of, melt_notes, melt_of, newtonian_viscosity
-from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study, merged, resolve
 
@@ -47,15 +45,6 @@ def shifted(tmp_path):
     path = tmp_path / "shifted.toml"
     path.write_text(SHIFTED)
     return str(path)
-
-
-def test_the_laws_constants_are_those_of_the_laws():
-    assert set(CONSTANTS) == set(LAWS)
-    for name, law in LAWS.items():
-        own = {field.name: field.default for field in fields(law) if field.name != "temperature"}
-        assert set(CONSTANTS[name]) == set(own)
-        for key, default in own.items():
-            assert OPTIONAL.get(key) == default or key not in OPTIONAL
 
 
 def test_the_papers_melt():

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Self, cast, get_args
+from typing import Any, Self, cast
 
 from pydantic import PrivateAttr, model_validator
 
 from fibermelt.engine.parameters import Section, excerpt, quantity, setting
 from fibermelt.errors import ConfigError
+from fibermelt.melt import LAWS
 from fibermelt.parts.melt.cards import RENAMED, Card, load_card, material_names
 from fibermelt.parts.melt.values import CONSTANTS, OPTIONAL, Constants, LawName
 from fibermelt.parts.sources import PAPER_2
@@ -101,7 +102,7 @@ class Melt(Constants, Named):
             return data
         said = {name: value for name, value in data.items() if value is not None}
         material = said.get("material", cls.model_fields["material"].default)
-        if not isinstance(material, str) or said.get("law") not in (None, *get_args(LawName)):
+        if not isinstance(material, str) or said.get("law") not in (None, *LAWS):
             return data
         card = _card(material)
         said["material"] = card.key

@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 from fibermelt.engine.parameters import declarations
 from fibermelt.errors import ConfigError
+from fibermelt.melt import LAWS, CrossWLF
+from fibermelt.melt.melt import Melt
+from fibermelt.melt.temperature import ArrheniusShift
 from fibermelt.parts.flow.config import Flow
 from fibermelt.parts.melt.config import Melt as MeltTable
 from fibermelt.parts.melt.values import CONSTANTS, Constants
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
     from fibermelt.engine.tables import Tables
     from fibermelt.fiber.pressure import LocalViscosity
     from fibermelt.melt import ViscosityLaw
-    from fibermelt.melt.melt import Melt
 
 __all__ = [
     "CARD",
@@ -80,8 +82,6 @@ def law_of(values: Mapping[str, Any]) -> ViscosityLaw:
     values : mapping
         What stages can read, `LAW` among it: of a whole study, or of one stage.
     """
-    from fibermelt.melt import LAWS  # noqa: PLC0415  lazy: a run that is stored needs none
-
     said = {name: values.get(f"{LAW}.{name}") for name in Constants.model_fields}
     constants = {name: value for name, value in said.items() if value is not None}
     return LAWS[values[f"{LAW}.name"]](**constants)
@@ -114,7 +114,7 @@ def viscosity_of(parameters: Parameters) -> float | ViscosityLaw | LocalViscosit
         return float(law.viscosity_at(1.0))
     if parameters["fiber.melt"] == "law":
         return law
-    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415  lazy, as above
+    from fibermelt.fiber.pressure import LocalViscosity  # noqa: PLC0415  the fibers, a second
 
     return LocalViscosity(law)
 
@@ -142,9 +142,6 @@ def melt_of(table: MeltTable) -> Melt:
     ConfigError
         If it has no law of viscosity, or a constant is missing or out of its range.
     """
-    from fibermelt.melt import LAWS  # noqa: PLC0415  lazy, as above
-    from fibermelt.melt.melt import Melt  # noqa: PLC0415
-
     card = table.card
     refuse_incomplete(table)
     law = _at_temperature(table)
@@ -252,8 +249,6 @@ def refuse_unphysical(table: MeltTable, fastest: float) -> None:
     ConfigError
         If a constant is out of its range, or the viscosity is: the rate and the bound.
     """
-    from fibermelt.melt import LAWS  # noqa: PLC0415  lazy, as above
-
     constants = _at_temperature(table)
     bounds = {item.key: dict(item.bounds) for item in declarations(type(table))}["viscosity"]
     law = LAWS[str(constants.pop("name"))](**constants)
@@ -292,9 +287,6 @@ def _at_temperature(table: MeltTable) -> dict[str, float | str]:
     constants = {key: getattr(table, key) for key in CONSTANTS[name]}
     if name != "cross-wlf" and (at in (None, temperature) or not table.activation_temperature):
         return {"name": name, **constants}
-    from fibermelt.melt import LAWS, CrossWLF  # noqa: PLC0415  lazy, as above
-    from fibermelt.melt.temperature import ArrheniusShift  # noqa: PLC0415
-
     if name == "cross-wlf":
         law: ViscosityLaw = CrossWLF(**constants, temperature=temperature).at_rest
         return {"name": "cross", **law.constants()}

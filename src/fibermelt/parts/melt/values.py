@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from pydantic import Field
 
 from fibermelt.engine.parameters import Section, excerpt, quantity, setting
+from fibermelt.melt import LAWS
 
 __all__ = [
     "CONSTANTS",
@@ -23,29 +25,23 @@ __all__ = [
     "WettingValues",
 ]
 
-LawName = Literal["newtonian", "power-law", "carreau", "cross", "cross-wlf"]
-"""The laws of viscosity; `fibermelt.melt.LAWS` has one of each name."""
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[tuple(LAWS)]
+"""The laws of viscosity by their names."""
 
 CONSTANTS: Mapping[str, tuple[str, ...]] = {
-    "newtonian": ("viscosity",),
-    "power-law": ("consistency", "index", "lowest_rate"),
-    "carreau": ("viscosity", "index", "time_constant", "infinite_viscosity", "transition"),
-    "cross": ("viscosity", "index", "critical_stress", "infinite_viscosity"),
-    "cross-wlf": (
-        "index",
-        "critical_stress",
-        "reference_viscosity",
-        "reference_temperature",
-        "wlf_a1",
-        "wlf_a2",
-    ),
+    name: tuple(one.name for one in fields(cast("Any", law)) if one.name != "temperature")
+    for name, law in LAWS.items()
 }
 """The constants of each law, by the names that the law has for them."""
 
 OPTIONAL: Mapping[str, float] = {
-    "lowest_rate": 1e-2,
-    "infinite_viscosity": 0.0,
-    "transition": 2.0,
+    one.name: one.default
+    for law in LAWS.values()
+    for one in fields(cast("Any", law))
+    if isinstance(one.default, float)
 }
 """Constants that a law has a default for."""
 
