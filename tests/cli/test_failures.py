@@ -153,7 +153,7 @@ def refuse_to_write(monkeypatch, code, after=0):
         write(path, data)
 
     for module in ("files", "store", "runner"):
-        monkeypatch.setattr(f"fibermelt.study.{module}.write_through", refusing)
+        monkeypatch.setattr(f"fibermelt.engine.{module}.write_through", refusing)
 
 
 @pytest.mark.parametrize("code", [errno.EROFS, errno.EACCES])

@@ -126,7 +126,7 @@ def test_a_card_of_ones_own(finished):
     answer = asked(folder, "--material", "mine.toml")
     assert answer["vapor_pressure"] == pytest.approx(0.1 * answer["saturation_pressure"])
     assert answer["streamlines"][0]["critical_radius"] is None
-    assert len(answer["material"]["missing"]) == 4
+    assert len(answer["material"]["missing"]) == 3
 
 
 def test_words_for_a_person(finished):

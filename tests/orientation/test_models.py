@@ -278,7 +278,7 @@ def test_public_names_are_where_the_package_says() -> None:
         assert not isinstance(getattr(orientation, name), ModuleType), name
     assert dir(orientation) == sorted(orientation.__all__)
     assert orientation.shape_factor is shape_factor
-    with pytest.raises(AttributeError, match="no attribute 'closures_'"):
+    with pytest.raises(AttributeError, match="attribute closures_"):
         _ = orientation.closures_
 
 

@@ -137,7 +137,7 @@ def test_stations_give_what_those_of_the_bead_do(direct, tmp_path):
     assert found["zone"].to_numpy().tolist() == [1, 2, 3]
     assert found["location"].to_numpy().tolist() == [1, 2]
     regular = known["near_singularity"].to_numpy() == 0
-    for name, zones in (("zone_time", [0, 1]), ("middle_time", ...)):
+    for name, zones in (("zone_time", [0, 1]), ("middle_time", slice(None))):
         one, other = (each[name].to_numpy()[regular][..., zones] for each in (found, known))
         assert one == pytest.approx(other, rel=1e-3)
     dims = ("streamline", "initial_angle", "zone")

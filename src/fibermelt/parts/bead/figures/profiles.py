@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 __all__ = ["figure_profiles", "relative_angle"]
 
-LEFT, RIGHT, BETWEEN, FOOT, TALL, HEAD = 14.0, 2.0, 5.0, 9.0, 42.0, 19.0
+LEFT, RIGHT, BETWEEN, FOOT, TALL, HEAD = 14.0, 2.5, 5.0, 9.0, 42.0, 19.0
 """Margins, room between panels, heights of foot, panels and head [mm]."""
 
 SHARED = 0.4 * BETWEEN * 72.0 / 25.4
