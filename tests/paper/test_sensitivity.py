@@ -13,14 +13,10 @@ from turned_fibers import PARAMETERS, compared, declared, turned
 from fibermelt.engine.stages import Parameters
 from fibermelt.paper.claims.printed import printed_period, printed_periods
 from fibermelt.paper.dimensions.stages import feature_rows
+from fibermelt.paper.dimensions.summary import dimensions_in_words, summarize_dimensions
 from fibermelt.paper.orbits.part import PART
 from fibermelt.paper.orbits.stages import orbit_cases
-from fibermelt.paper.orbits.summary import (
-    dimensions_in_words,
-    orbits_in_words,
-    summarize_dimensions,
-    summarize_orbits,
-)
+from fibermelt.paper.orbits.summary import orbits_in_words, summarize_orbits
 
 ROUNDING = 1e-12
 

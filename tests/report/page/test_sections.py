@@ -17,13 +17,15 @@ from turned_fibers import compared, turned
 
 from fibermelt.paper.claims.section import claims
 from fibermelt.paper.dimensions.section import dimensions
+from fibermelt.paper.dimensions.summary import summarize_dimensions
 from fibermelt.paper.orbits.section import shear
-from fibermelt.paper.orbits.summary import summarize_dimensions, summarize_orbits
+from fibermelt.paper.orbits.summary import summarize_orbits
 from fibermelt.parts.bead.section import numbers
 from fibermelt.parts.bead.summary import bead_in_words
 from fibermelt.parts.interaction.section import content
+from fibermelt.parts.interaction.summary import summarize_interaction
 from fibermelt.parts.orientation.section import orientation
-from fibermelt.parts.orientation.summary import summarize_interaction, summarize_orientation
+from fibermelt.parts.orientation.summary import summarize_orientation
 from fibermelt.parts.verification.section import verification
 from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.figures import figure_voids

@@ -24,14 +24,12 @@ from fibermelt.report.kit.style import (
     letter,
     new_figure,
 )
+from fibermelt.units import MPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_dimensions"]
-
-MPA = 1e-6
-"""Megapascals in a pascal."""
 
 LOOKS = {
     "confined-ellipse": (INK, "s"),

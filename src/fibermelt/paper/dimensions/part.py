@@ -16,8 +16,8 @@ HERE = "fibermelt.paper.dimensions"
 PART = Part(
     "dimensions",
     ("dimensions",),
-    "fibermelt.paper.orbits.summary:summarize_dimensions",
-    "fibermelt.paper.orbits.summary:dimensions_in_words",
+    f"{HERE}.summary:summarize_dimensions",
+    f"{HERE}.summary:dimensions_in_words",
     meaning="what the plane ellipse costs against a spheroid",
     traits=frozenset({NEWTONIAN, OF_DEPOSITION}),
     brings=(

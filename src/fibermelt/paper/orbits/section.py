@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, fixed, number, percent, short
+from fibermelt.units import KPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["shear"]
-
-KPA = 1e-3
-"""Kilopascals in a pascal."""
 
 VARIED = {
     "aspect_ratio": ("Aspect ratio", ""),

@@ -28,13 +28,12 @@ from fibermelt.report.kit.style import (
     new_figure,
     shades,
 )
+from fibermelt.units import DEGREES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_interaction", "figure_sizes"]
-
-DEGREES = 180.0 / np.pi
 
 PAPER_RATIO = 6.0
 """Aspect ratio of the paper's polynomials."""

@@ -14,8 +14,8 @@ HERE = "fibermelt.parts.interaction"
 PART = Part(
     "interaction",
     ("content", "interaction"),
-    "fibermelt.parts.orientation.summary:summarize_interaction",
-    "fibermelt.parts.orientation.summary:interaction_in_words",
+    f"{HERE}.summary:summarize_interaction",
+    f"{HERE}.summary:interaction_in_words",
     meaning="from fiber content to the size of the cell",
     tables={"interaction": Interaction},
     renew={"interaction": interacting},

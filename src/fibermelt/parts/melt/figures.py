@@ -24,6 +24,7 @@ from fibermelt.report.kit.style import (
     new_figure,
 )
 from fibermelt.report.kit.tables import number
+from fibermelt.units import PERCENT, ZERO_CELSIUS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,8 +35,6 @@ __all__ = ["figure_melt"]
 
 PER_DECADE = 8
 """Bars of a decade of rates."""
-
-PERCENT, CELSIUS = 100.0, 273.15
 
 
 def _melt(results: xr.Dataset) -> Melt:
@@ -72,8 +71,8 @@ def melt_words(results: xr.Dataset) -> Words:
         )
     return Words(
         caption=(
-            f"{melt.name} at {melt.temperature - CELSIUS:.0f} °C: (a) viscosity against the rate "
-            f"of deformation √(2 D:D), {melt.law.called}; (b) share of the time from inlet to "
+            f"{melt.name} at {melt.temperature - ZERO_CELSIUS:.0f} °C: (a) viscosity against the "
+            f"rate of deformation √(2 D:D), {melt.law.called}; (b) share of the time from inlet to "
             "outlet at each rate, mean by flux, in the first bar at that and slower. Away from "
             f"singular corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} "
             f"Pa s. {range_}"

@@ -26,14 +26,12 @@ from fibermelt.report.kit.style import (
     new_figure,
 )
 from fibermelt.report.kit.tables import fixed
+from fibermelt.units import MPA
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["CAUSES", "MODELS", "figure_thinning", "megapascals", "models_of"]
-
-MPA = 1e-6
-"""Megapascals in a pascal."""
 
 ROOM = 1.1
 """Upper end of a scale over the largest value, for its mark."""

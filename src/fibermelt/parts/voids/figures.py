@@ -32,16 +32,12 @@ from fibermelt.report.kit.style import (
     round_up,
 )
 from fibermelt.report.kit.tables import number, sized
+from fibermelt.units import MPA, PERCENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_voids"]
-
-MPA = 1e-6
-"""Megapascals in a pascal."""
-
-PERCENT = 100.0
 
 CHARTS, SCALE = 68.0, 19.0
 """Room for the profile below the scene, and for the colour scale over the exit [mm]."""

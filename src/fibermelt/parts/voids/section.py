@@ -10,16 +10,12 @@ from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, number, percent, sized
+from fibermelt.units import MM, MPA, MS, NM, PERCENT, ZERO_CELSIUS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["voids"]
-
-MM, MPA, MS, NM, PERCENT = 1e3, 1e-6, 1e3, 1e9, 100.0
-"""From SI to the units of the page."""
-
-CELSIUS = 273.15
 
 WHOSE = {
     "melt": "the melt itself, without fibers",
@@ -38,7 +34,7 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
     size = _size(found["by_basis"].values(), "lowest_pressure", "margin")
     return {
         "found": found,
-        "celsius": f"{found['temperature'] - CELSIUS:.0f}",
+        "celsius": f"{found['temperature'] - ZERO_CELSIUS:.0f}",
         "MPA": MPA,
         "nucleation": _nucleation(found, float(results["void_threshold"])),
         "advice": advice(found),

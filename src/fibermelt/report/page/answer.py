@@ -18,13 +18,12 @@ from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.tables import fixed, number, short, sized
 from fibermelt.report.kit.templates import rendered
 from fibermelt.report.page.what_was_run import parameters
+from fibermelt.units import KPA, MM, MPA, PERCENT, ZERO_CELSIUS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["answer"]
-
-MM, KPA, MPA, PERCENT, CELSIUS = 1e3, 1e-3, 1e-6, 100.0, 273.15
 
 
 SOURCES = {"field": "another solver’s field", "histories": "a table"}
@@ -150,7 +149,8 @@ def _risk(found: Mapping[str, Any]) -> str:
     lowest, margin = found["lowest_pressure"], found["margin"]
     vapor = (
         f"the vapor pressure of {short(PERCENT * found['moisture'], 3)} % moisture at "
-        f"{found['temperature'] - CELSIUS:.0f} °C, {number(MPA * found['vapor_pressure'], 3)} MPa"
+        f"{found['temperature'] - ZERO_CELSIUS:.0f} °C, "
+        f"{number(MPA * found['vapor_pressure'], 3)} MPa"
     )
     on = "on a fiber in its worst direction the pressure"
     flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])

@@ -20,13 +20,13 @@ from fibermelt.report.kit.style import (
     plain_numbers,
 )
 from fibermelt.sweeps.window import GAP, SPEED, critical_moistures, drying_advice
+from fibermelt.units import PERCENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_window", "window_words"]
 
-PERCENT = 100.0
 INLET, VISCOSITY = "flow.inlet_speed", "melt.viscosity"
 """What may vary together with the speed of the print, by their keys."""
 

@@ -51,14 +51,12 @@ from fibermelt.report.kit.style import (
     round_up,
 )
 from fibermelt.report.kit.tables import number, ranged
+from fibermelt.units import UM
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_history"]
-
-MICRO = 1e6
-"""Micrometres in a metre."""
 
 STARTS: dict[Side, float] = {"lowest": 0.0, "highest": -90.0}
 """Initial angles [degrees] of the fibers whose lowest and highest pressure the paper draws."""
@@ -234,7 +232,7 @@ def _key() -> list[Line2D | Patch]:
 
 def _around(results: xr.Dataset) -> Window:
     """Return a window on the fiber's surroundings [µm]."""
-    radius = 1.04 * MICRO * study_of(results)["fiber"]["half_length"] * _radius(results)
+    radius = 1.04 * UM * study_of(results)["fiber"]["half_length"] * _radius(results)
     return Window(-radius, radius, -radius, radius)
 
 
@@ -245,7 +243,7 @@ def _radius(results: xr.Dataset) -> float:
 
 def _in_micrometres(axes: Axes, results: xr.Dataset) -> None:
     """Draw what follows in half-lengths into axes that stay in micrometres."""
-    scale = 1.0 / (MICRO * study_of(results)["fiber"]["half_length"])
+    scale = 1.0 / (UM * study_of(results)["fiber"]["half_length"])
     ticks = MaxNLocator(5, symmetric=True).tick_values(*axes.get_xlim())
     low, high = axes.get_xlim()
     shown = [tick for tick in ticks if low <= tick <= high]
