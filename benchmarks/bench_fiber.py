@@ -13,7 +13,6 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
-from conftest import seconds
 from fibermelt.fiber import (
     CellNumerics,
     Ellipsoid,
@@ -31,6 +30,7 @@ from fibermelt.fiber import (
 )
 from fibermelt.fiber.spatial import follow_spatial, half_sphere, spatial_pressure
 from fibermelt.flow.streamlines import Streamline
+from timing import seconds
 
 FIBER = fm.Ellipse(half_length=42e-6, aspect_ratio=6.0)
 MU = 817.0

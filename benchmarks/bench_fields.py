@@ -14,8 +14,8 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 import fibermelt as fm
-from conftest import seconds
 from fibermelt.fields.paths import flux_seeds, inflow_section, trace_field
+from timing import seconds
 
 NODES = 47
 """Points along each side: 104,000 in all."""

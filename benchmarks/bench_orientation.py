@@ -8,7 +8,6 @@ import pytest
 from fiberoripy.closures import compute_closure
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from conftest import seconds
 from fibermelt.orientation.closures import CLOSURES
 from fibermelt.orientation.evolve import NODES, follow_orientation
 from fibermelt.orientation.flows import FLOWS, strain_and_spin
@@ -16,6 +15,7 @@ from fibermelt.orientation.fokker_planck import steady_distribution
 from fibermelt.orientation.models import FolgarTucker, shape_factor
 from fibermelt.orientation.steady import steady_state
 from fibermelt.orientation.tensors import isotropic
+from timing import seconds
 
 XI = shape_factor(6.0)
 INTERACTION = 0.0128

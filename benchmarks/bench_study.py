@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from conftest import seconds
+from timing import seconds
 
 
 def test_paper_study(benchmark: BenchmarkFixture, tmp_path: Path) -> None:

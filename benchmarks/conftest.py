@@ -1,9 +1,6 @@
-"""What the benchmarks share: the paper's flow, solved once, and how a ratio is written down."""
+"""What the benchmarks share: the paper's flow, solved once."""
 
 from __future__ import annotations
-
-import time
-from collections.abc import Callable
 
 import pytest
 
@@ -19,13 +16,3 @@ def problem() -> fm.Deposition:
 @pytest.fixture(scope="session")
 def lines(problem: fm.Deposition) -> tuple[Streamline, ...]:
     return fm.trace_streamlines(fm.solve_deposition(problem))
-
-
-def seconds(action: Callable[[], object], repeats: int = 1) -> float:
-    """Return the median wall time of ``action`` [s]."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        action()
-        times.append(time.perf_counter() - start)
-    return sorted(times)[len(times) // 2]
