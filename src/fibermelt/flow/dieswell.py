@@ -100,10 +100,8 @@ def swell_problem(
         moving="jet",
         free="free",
         velocity={"inlet": (profile, 0), "wall": (0, 0)},
-        symmetry="symmetry|outlet",
-        held_x="exit|outlet|wall|inlet",
-        held_y="exit|symmetry|wall|inlet",
-        lips=np.array([[0.0, 1.0]]),
+        held=("exit|outlet|wall|inlet", "exit|symmetry|wall|inlet"),
+        symmetry=("", "symmetry|outlet"),
         inflow=inflow,
     )
     return _mesh(lip_edge, bulk_edge, growth), boundaries

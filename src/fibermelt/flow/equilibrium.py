@@ -9,6 +9,7 @@ import ngsolve as ng
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.forms import MeltStress, Unknowns, stokes_form
 from fibermelt.flow.linear import load_of, without_pivots
+from fibermelt.flow.spaces import Boundaries
 
 __all__ = ["Equilibrium"]
 
@@ -37,14 +38,22 @@ class Equilibrium:
     residual : form
         Its first entries are those of momentum and mass at ``state``; of a Newtonian melt that
         moves at its boundaries only as yet.
+    boundaries : Boundaries
+        Their film, if they have one, holds the melt too.
     """
 
     def __init__(
-        self, space: Any, stress: MeltStress, state: ng.BaseVector, residual: ng.LinearForm
+        self,
+        space: Any,
+        stress: MeltStress,
+        state: ng.BaseVector,
+        residual: ng.LinearForm,
+        boundaries: Boundaries,
     ) -> None:
         trial, test = space.TnT()
         unknowns = Unknowns(trial, test, None, None)
-        self._matrix = without_pivots(space, stokes_form(unknowns, stress))
+        terms = stokes_form(unknowns, stress, boundaries.free, boundaries.film)
+        self._matrix = without_pivots(space, terms)
         self._stress, self._state, self._residual = stress, state, residual
         self._bound = SETTLED * self._load()[1]
 

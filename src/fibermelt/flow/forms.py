@@ -5,12 +5,14 @@ by ``d`` and the next one starts from there, so the shape derivatives are needed
 and are linear in it. With ``u`` riding along with the mesh (coefficients kept, nodes moved),
 
     d/dd  grad v   = -grad v grad d,        d/dd dx     = div d dx,
-    d/dd (n ds)    = rot(d_s d) ds,         rot(t) = n,
+    d/dd (n ds)    = ((div_s d) n - (grad_s d)^T n) ds,    in the plane rot(d_s d) ds, rot(t) = n,
 
-which gives all that stands below. Lengths, speeds and the viscosity are scaled to one.
+which gives all that stands below, in the plane and in space. Lengths, speeds and the viscosity are
+scaled to one.
 
 Signs, once: momentum ``int sigma : grad v = 0`` with ``sigma = 2 eta D(u) + (gamma div u - p) I``
-and no traction on the free surface; mass ``-int q div u = 0``; kinematics ``int_free m n.u = 0``.
+and no traction on the free surface but a film's; mass ``-int q div u = 0``; kinematics
+``int_free m n.u = 0``.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from fibermelt.flow.strain import HeldStrain
 
 __all__ = [
     "INTEGRATION_BONUS",
+    "BedFilm",
     "Elements",
     "MeltStress",
     "Unknowns",
@@ -45,6 +48,9 @@ STRING_STIFFNESS = 100.0
 """Stiffness along a free surface [pseudo-solid's modulus times length]. It spaces the nodes;
 the solution does not depend on it (10 and 1000 agree to 1e-5), but without it they collapse."""
 
+SLOWEST = 1e-3
+"""Speed below which the upwinding in space fades, as a surface at rest has no downstream."""
+
 UPWIND = 0.2
 """Weight of the upwinding, in edges; from 0.05 to 1 the die swell changes by less than 1e-5."""
 
@@ -55,19 +61,62 @@ discrete velocity solenoidal enough for streamlines to stay on their stream func
 
 @dataclass(frozen=True)
 class Elements:
-    """The elements by how they are integrated: curved ones lie on a free surface and move."""
+    """The elements by how they are integrated: curved ones have an edge on a curved boundary."""
 
     curved: ng.BitArray
     straight: ng.BitArray
-    straight_moving: ng.BitArray
+    moves: ng.BitArray
+
+    def kinds(self, *, moving: bool = False) -> tuple[ng.BitArray, ng.BitArray]:
+        """Return the curved and the straight ones, all of them or those that move."""
+        if not moving:
+            return self.curved, self.straight
+        return self.curved & self.moves, self.straight & self.moves
 
     def over(self, integrand: Form, *, moving: bool = False) -> list[Form]:
         """Return the integrals of ``integrand`` over all elements, or over those that move."""
-        straight = self.straight_moving if moving else self.straight
+        curved, straight = self.kinds(moving=moving)
         return [
-            integrand * ng.dx(definedonelements=self.curved, bonus_intorder=INTEGRATION_BONUS),
+            integrand * ng.dx(definedonelements=curved, bonus_intorder=INTEGRATION_BONUS),
             integrand * ng.dx(definedonelements=straight),
         ]
+
+
+@dataclass(frozen=True, eq=False)
+class BedFilm:
+    """The bed as a film of its own melt on a free surface: there is no contact line.
+
+    Where the melt rolls onto the bed at 180 degrees a sharp line is not determined: a node may
+    slide along it and change no flux. The film's traction on the melt ``y`` above the bed is
+
+        t = -B (u - e_x),    B = (2/eps) exp(-y/eps),
+
+    a friction that lets nothing through and fades over the thickness ``eps``; all three components,
+    so that what is pressed on cannot lift freely. For ``eps -> 0`` it is a bed that sticks, to
+    first order: a layer pressed on at one speed comes to rest 0.6 ``eps`` off. The bed lies at
+    y = 0 and moves at the speed 1 in x.
+
+    Parameters
+    ----------
+    thickness : Parameter
+        ``eps``, in units of the nozzle's exit.
+    """
+
+    thickness: ng.Parameter
+
+    @property
+    def friction(self) -> Form:
+        """Return ``B``, the traction per speed."""
+        return 2.0 / self.thickness * ng.exp(-ng.y / self.thickness)
+
+    def traction(self, velocity: Form, test: Form) -> Form:
+        """Return ``B (u - e_x).v``, which stands in the residual of momentum."""
+        bed = ng.CF((1.0, *[0.0] * (velocity.dim - 1)))
+        return self.friction * ((velocity - bed) * test)
+
+    def turned(self, velocity: Form, test: Form, move: Form, spread: Form) -> Form:
+        """Return its derivative with the shape, ``spread`` being ``div_s d``."""
+        return self.traction(velocity, test) * (spread - move[1] / self.thickness)
 
 
 @dataclass(frozen=True)
@@ -85,7 +134,7 @@ def _sym(w: Form) -> Form:
 
 
 def _tr(w: Form) -> Form:
-    return w[0, 0] + w[1, 1]
+    return sum((w[i, i] for i in range(1, w.dims[0])), start=w[0, 0])
 
 
 class ViscousStress:
@@ -117,7 +166,7 @@ class ViscousStress:
         if self.held is None:
             return self.value
         shear = 2 * self.held.viscosity * self.held.strain
-        return shear + GRAD_DIV * _tr(self.gradient) * ng.Id(2)
+        return shear + GRAD_DIV * _tr(self.gradient) * ng.Id(self.gradient.dims[0])
 
     def along(self, w: Form) -> Form:
         """Return the stress's derivative with the velocity gradient, in the direction ``w``.
@@ -127,7 +176,7 @@ class ViscousStress:
         return self._along(w, w)
 
     def _along(self, w: Form, ahead: Form) -> Form:
-        spherical = GRAD_DIV * _tr(w) * ng.Id(2)
+        spherical = GRAD_DIV * _tr(w) * ng.Id(w.dims[0])
         if self.held is None:
             return 2 * _sym(w) + spherical
         turned = 8 * self.held.slope * ng.InnerProduct(self.held.strain, ahead)
@@ -167,28 +216,95 @@ class MeltStress:
         """Return the integrals of what has a stress, as `Elements.over`."""
         if not self.held:
             return self.elements.over(integrand(self.straight), moving=moving)
-        straight = self.elements.straight_moving if moving else self.elements.straight
-        pairs = ((self.curved, self.elements.curved), (self.straight, straight))
+        kinds = self.elements.kinds(moving=moving)
+        pairs = zip((self.curved, self.straight), kinds, strict=True)
         return [
             integrand(stress) * ng.dx(definedonelements=some, intrules=held.rules)
             for (stress, some), held in zip(pairs, self.held, strict=True)
         ]
 
 
-def _upwind(m: Form, velocity: Form) -> Form:
-    """Return the test function of the kinematics, weighted towards where the surface comes from.
+class _Line:
+    """What a free surface in the plane does as its mesh moves: it is a line.
 
-    ``u.n = 0`` carries the surface along ``u`` and nothing else: tested with ``m`` alone, every
-    second node may go its own way. The added ``h d_s m`` is the derivative along the edge's own
-    parameter, so that it does not change as the mesh moves.
+    Parameters
+    ----------
+    velocity : expression
+        Of the present state.
     """
-    tangent = ng.specialcf.tangential(2)
-    downstream = ng.IfPos(velocity * tangent, 1.0, -1.0)
-    along = ng.grad(m).Trace() * tangent
-    return m + UPWIND * downstream * ng.specialcf.mesh_size * along
+
+    def __init__(self, velocity: Form) -> None:
+        self.velocity = velocity
+        self.normal, self.tangent = ng.specialcf.normal(2), ng.specialcf.tangential(2)
+
+    def upwind(self, m: Form) -> Form:
+        """Return the test function of the kinematics, weighted towards where it comes from.
+
+        ``u.n = 0`` carries the surface along ``u`` and nothing else: tested with ``m`` alone, every
+        second node may go its own way. The added ``h d_s m`` is the derivative along the edge's own
+        parameter, so that it does not change as the mesh moves.
+        """
+        downstream = ng.IfPos(self.velocity * self.tangent, 1.0, -1.0)
+        along = ng.grad(m).Trace() * self.tangent
+        return m + UPWIND * downstream * ng.specialcf.mesh_size * along
+
+    def turned(self, move: Form) -> Form:
+        """Return ``u . d(n ds)/ds`` as the mesh moves by ``d`` of the gradient ``move``."""
+        side = self.normal[0] * self.tangent[1] - self.normal[1] * self.tangent[0]
+        slope = move.Trace() * self.tangent  # side is +1 where n = (t_y, -t_x)
+        return side * (self.velocity[0] * slope[1] - self.velocity[1] * slope[0])
+
+    def spread(self, move: Form) -> Form:
+        """Return ``div_s d``."""
+        return self.tangent * (move.Trace() * self.tangent)
+
+    def stiffness(self, move: Form, test_move: Form) -> Form:
+        """Return the work of the string that spaces its nodes."""
+        slope, test_slope = move.Trace() * self.tangent, test_move.Trace() * self.tangent
+        return STRING_STIFFNESS * (self.tangent * slope) * (self.tangent * test_slope)
 
 
-def stokes_form(unknowns: Unknowns, melt: MeltStress) -> list[Form]:
+class _Sheet:
+    """The same in space, where it is a sheet, and a membrane is what spaces its nodes."""
+
+    def __init__(self, velocity: Form) -> None:
+        self.velocity, self.normal = velocity, ng.specialcf.normal(3)
+
+    def upwind(self, m: Form) -> Form:
+        """Return the weighted test function; its own derivative is left out.
+
+        That is of the size of ``u.n``, which the discrete solution leaves at 1e-3: Newton's last
+        steps gain two decimals or three each.
+        """
+        speed = ng.sqrt(self.velocity * self.velocity + SLOWEST**2)
+        along = ng.grad(m).Trace() * self.velocity
+        return m + UPWIND * ng.specialcf.mesh_size / speed * along
+
+    def turned(self, move: Form) -> Form:
+        slope = move.Trace()
+        through = self.normal * self.velocity
+        return _tr(slope) * through - self.normal * (slope * self.velocity)
+
+    def spread(self, move: Form) -> Form:
+        return _tr(move.Trace())
+
+    def stiffness(self, move: Form, test_move: Form) -> Form:
+        across = ng.Id(3) - ng.OuterProduct(self.normal, self.normal)
+        e, f = _sym(across * move.Trace()), _sym(across * test_move.Trace())
+        return STRING_STIFFNESS * (2 * ng.InnerProduct(e, f) + _tr(e) * _tr(f))
+
+
+def _surface(velocity: Form) -> _Line | _Sheet:
+    return _Line(velocity) if velocity.dim == 2 else _Sheet(velocity)
+
+
+def _on(free: str) -> Form:
+    return ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
+
+
+def stokes_form(
+    unknowns: Unknowns, melt: MeltStress, free: str = "", film: BedFilm | None = None
+) -> list[Form]:
     """Return Stokes on the present mesh: the part that does not see the mesh move."""
     u, p, *_ = unknowns.trial
     v, q, *_ = unknowns.test
@@ -197,28 +313,36 @@ def stokes_form(unknowns: Unknowns, melt: MeltStress) -> list[Form]:
         momentum = ng.InnerProduct(stress.along(ng.Grad(u)), ng.Grad(v)) - p * ng.div(v)
         return momentum - q * ng.div(u)
 
-    return melt.over(integrand)
+    terms = melt.over(integrand)
+    if film is not None:
+        terms.append(film.friction * (u.Trace() * v.Trace()) * _on(free))
+    return terms
 
 
-def residual_form(unknowns: Unknowns, melt: MeltStress, free: str) -> list[Form]:
+def residual_form(
+    unknowns: Unknowns, melt: MeltStress, free: str, film: BedFilm | None = None
+) -> list[Form]:
     """Return what must vanish: momentum and mass in the melt, ``u.n`` on the free surfaces."""
     v, q, _, m = unknowns.test
 
     def integrand(stress: ViscousStress) -> Form:
-        total = stress.value - unknowns.pressure * ng.Id(2)
+        total = stress.value - unknowns.pressure * ng.Id(v.dim)
         return ng.InnerProduct(total, ng.Grad(v)) - q * _tr(stress.gradient)
 
-    normal = ng.specialcf.normal(2)
-    return [
-        *melt.over(integrand),
-        _upwind(m, unknowns.velocity)
-        * (normal * unknowns.velocity)
-        * ng.ds(free, bonus_intorder=INTEGRATION_BONUS),
-    ]
+    surface = _surface(unknowns.velocity)
+    through = surface.normal * unknowns.velocity
+    terms = [*melt.over(integrand), surface.upwind(m) * through * _on(free)]
+    if film is not None:
+        terms.append(film.traction(unknowns.velocity, v.Trace()) * _on(free))
+    return terms
 
 
 def jacobian_form(
-    unknowns: Unknowns, melt: MeltStress, free: str, rate: ng.Parameter
+    unknowns: Unknowns,
+    melt: MeltStress,
+    free: str,
+    rate: ng.Parameter,
+    film: BedFilm | None = None,
 ) -> list[Form]:
     """Return the derivative of the residual, and the rule by which the mesh follows its surface.
 
@@ -233,7 +357,7 @@ def jacobian_form(
 
     def shape(stress: ViscousStress) -> Form:
         gradient = stress.gradient
-        total = stress.behind - unknowns.pressure * ng.Id(2)
+        total = stress.behind - unknowns.pressure * ng.Id(v.dim)
         return (
             ng.InnerProduct(total, ng.Grad(v)) * _tr(move)
             - ng.InnerProduct(total, ng.Grad(v) * move)
@@ -243,18 +367,19 @@ def jacobian_form(
 
     elastic = 2 * ng.InnerProduct(_sym(move), _sym(test_move)) + _tr(move) * _tr(test_move)
     solid = elastic / ng.specialcf.mesh_size
-    normal, tangent = ng.specialcf.normal(2), ng.specialcf.tangential(2)
-    side = normal[0] * tangent[1] - normal[1] * tangent[0]  # +1 where n = (t_y, -t_x)
-    slope, test_slope = move.Trace() * tangent, test_move.Trace() * tangent
-    turned = side * (unknowns.velocity[0] * slope[1] - unknowns.velocity[1] * slope[0])
-    string = STRING_STIFFNESS * (tangent * slope) * (tangent * test_slope)
-    on_surface = ng.ds(free, bonus_intorder=INTEGRATION_BONUS)
-    return [
-        *stokes_form(unknowns, melt),
+    surface, on_surface = _surface(unknowns.velocity), _on(free)
+    normal = surface.normal
+    terms = [
+        *stokes_form(unknowns, melt, free, film),
         *melt.over(shape, moving=True),
         *melt.elements.over(solid, moving=True),
-        _upwind(m, unknowns.velocity)
-        * (normal * u.Trace() + turned - rate * (normal * d.Trace()))
+        surface.upwind(m)
+        * (normal * u.Trace() + surface.turned(move) - rate * (normal * d.Trace()))
         * on_surface,
-        (lam * (normal * e.Trace()) + string) * on_surface,
+        (lam * (normal * e.Trace()) + surface.stiffness(move, test_move)) * on_surface,
     ]
+    if film is not None:
+        spread = surface.spread(move)
+        turned = film.turned(unknowns.velocity, v.Trace(), d.Trace(), spread)
+        terms.append(turned * on_surface)
+    return terms

@@ -8,6 +8,7 @@ then costs a few per cent of the unknowns instead of nearly half (ADR 2).
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import ngsolve as ng
@@ -25,7 +26,6 @@ from fibermelt.flow.forms import (
     jacobian_form,
     residual_form,
 )
-from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
 from fibermelt.flow.strain import HeldStrain
@@ -111,9 +111,11 @@ class FreeSurfaceFlow:
         at_rest = self._state.vec[: spaces.flow.ndof]
         self._equilibrium: Equilibrium | None = None
         if self._law.is_newtonian:
-            solve_at_rest(spaces.flow, elements, at_rest, self._residual)
+            solve_at_rest(spaces.flow, elements, at_rest, self._residual, boundaries)
             return
-        self._equilibrium = Equilibrium(spaces.flow, self._stress, at_rest, self._residual)
+        self._equilibrium = Equilibrium(
+            spaces.flow, self._stress, at_rest, self._residual, boundaries
+        )
         if before is not None:
             for held in self._stress.held:
                 held.hold(before.strain_near(held.places))
@@ -138,22 +140,23 @@ class FreeSurfaceFlow:
         """Set what is given on the boundaries; what flows in is then scaled to its exact flux."""
         values = {name: ng.CF(value) for name, value in self.boundaries.velocity.items()}
         given = self.mesh.Boundaries(self.boundaries.given)
-        self.velocity.Set(self.mesh.BoundaryCF(values, default=ng.CF((0, 0))), definedon=given)
+        rest = ng.CF((0,) * self.mesh.dim)
+        self.velocity.Set(self.mesh.BoundaryCF(values, default=rest), definedon=given)
         for name, flux in self.boundaries.inflow.items():
-            through = -self.velocity * ng.specialcf.normal(2) * ng.ds(name)
+            through = -self.velocity * ng.specialcf.normal(self.mesh.dim) * ng.ds(name)
             values[name] = values[name] * (flux / ng.Integrate(through, self.mesh))
-            self.velocity.Set(self.mesh.BoundaryCF(values, default=ng.CF((0, 0))), definedon=given)
+            self.velocity.Set(self.mesh.BoundaryCF(values, default=rest), definedon=given)
 
     def _make_forms(self, elements: Elements) -> None:
         trial, test = self._space.TnT()
         unknowns = Unknowns(tuple(trial), tuple(test), self.velocity, self.pressure)
-        free = self.boundaries.free
+        free, film = self.boundaries.free, self.boundaries.film
         self._rate = ng.Parameter(0.0)
         self._stress = self._melt_stress(elements)
-        self._jacobian = jacobian_form(unknowns, self._stress, free, self._rate)
+        self._jacobian = jacobian_form(unknowns, self._stress, free, self._rate, film)
         self._matrix = CondensedForm(self._space, self._jacobian, "umfpack", symmetric=False)
         self._residual = ng.LinearForm(self._space)
-        for term in residual_form(unknowns, self._stress, free):
+        for term in residual_form(unknowns, self._stress, free, film):
             self._residual += term.Compile()
 
     def _melt_stress(self, elements: Elements) -> MeltStress:
@@ -186,11 +189,16 @@ class FreeSurfaceFlow:
         return self._matrix.checked(right), residual
 
     def _smallest_jacobian(self, displacement: ng.GridFunction) -> float:
-        """Return the smallest area ratio of ``displacement``, on a lattice that has the edges."""
-        lattice = LagrangeTriangle(2 * self.order).nodes
-        rule = ng.IntegrationRule([tuple(map(float, r)) for r in lattice], [0.0] * len(lattice))
+        """Return the smallest ratio of volume of ``displacement``, on a lattice with the edges."""
+        steps, dim = 2 * self.order, self.mesh.dim
+        lattice = [
+            tuple(i / steps for i in node)
+            for node in itertools.product(range(steps + 1), repeat=dim)
+            if sum(node) <= steps
+        ]
+        rule = ng.IntegrationRule(lattice, [0.0] * len(lattice))
         points = self.mesh.MapToAllElements(rule, ng.VOL)
-        return float(ng.Det(ng.Id(2) + ng.Grad(displacement))(points).min())
+        return float(ng.Det(ng.Id(dim) + ng.Grad(displacement))(points).min())
 
     @exclusive
     def step(self, rate: float = 0.0, reuse: bool = False) -> Step:
@@ -276,6 +284,7 @@ class FreeSurfaceFlow:
     def kinematic_residual(self) -> float:
         """Return the root mean square of ``u.n`` over the free surfaces, in scaled units."""
         free = ng.ds(self.boundaries.free, bonus_intorder=2)
-        through = ng.Integrate((ng.specialcf.normal(2) * self.velocity) ** 2 * free, self.mesh)
+        normal = ng.specialcf.normal(self.mesh.dim)
+        through = ng.Integrate((normal * self.velocity) ** 2 * free, self.mesh)
         length = ng.Integrate(ng.CF(1) * free, self.mesh)
         return float(np.sqrt(through / length))

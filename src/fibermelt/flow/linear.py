@@ -14,6 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.forms import Elements, MeltStress, Unknowns, ViscousStress, stokes_form
+from fibermelt.flow.spaces import Boundaries
 
 __all__ = ["CondensedForm", "load_of", "solve_at_rest", "without_pivots"]
 
@@ -113,7 +114,11 @@ class CondensedForm:
 
 
 def solve_at_rest(
-    space: Any, elements: Elements, state: ng.BaseVector, residual: ng.LinearForm
+    space: Any,
+    elements: Elements,
+    state: ng.BaseVector,
+    residual: ng.LinearForm,
+    boundaries: Boundaries,
 ) -> float:
     """Solve Stokes on the mesh as it is: correct ``state`` until hardly any residual is left.
 
@@ -129,6 +134,8 @@ def solve_at_rest(
         Velocity and pressure; the velocity has its given values.
     residual : form
         Its first entries are those of momentum and mass at ``state``.
+    boundaries : Boundaries
+        Their film, if they have one, holds the melt too.
 
     Raises
     ------
@@ -137,10 +144,9 @@ def solve_at_rest(
     """
     trial, test = space.TnT()
     stress = ViscousStress(ng.Grad(trial[0]))
-    matrix = without_pivots(
-        space,
-        stokes_form(Unknowns(trial, test, None, None), MeltStress(elements, stress, stress)),
-    )
+    melt, unknowns = MeltStress(elements, stress, stress), Unknowns(trial, test, None, None)
+    terms = stokes_form(unknowns, melt, boundaries.free, boundaries.film)
+    matrix = without_pivots(space, terms)
     matrix.factorise()
     first = 0.0
     for count in range(MAX_PASSES):

@@ -109,9 +109,8 @@ def _boundaries(problem: Deposition, nozzle: Nozzle) -> Boundaries:
         moving="bead",
         free="upstream|downstream",
         velocity={"inlet": (0, profile), "wall": (0, 0), "bed": (1, 0), "outlet": (1, 0)},
-        held_x="outlet|exit|wall|inlet",
-        held_y="bed|exit|wall|inlet",
-        lips=np.array([[-0.5, nozzle.gap], [0.5, nozzle.gap]]),
+        held=("outlet|exit|wall|inlet", "bed|exit|wall|inlet"),
+        symmetry=("", ""),
         inflow=inflow,
     )
 
