@@ -42,6 +42,8 @@ SMALLEST_JACOBIAN = 0.15
 SMALLEST_FRACTION = 0.3
 """A step that would have to be cut to less is not taken: it points nowhere."""
 
+EDGE_MIDDLE = -0.125
+"""In the middle of an edge the first of its own functions, ``(s^2 - 1)/8``."""
 
 NEAREST, NEARLY = 6, 1e-9
 """A strain between meshes is the mean over this many corners of triangles, weighted by the
@@ -89,8 +91,11 @@ class FreeSurfaceFlow:
         order: int,
         law: ViscosityLaw | None = None,
         before: FreeSurfaceFlow | None = None,
+        middles: Array | None = None,
     ) -> None:
         """Set the problem up on ``mesh`` and solve the flow on it as it is.
+
+        In space edges begin where their ``middles`` (n_edges, 3) say, as seen from their chord's.
 
         Without a ``law`` [scaled units] the melt is Newtonian. The strain of a flow ``before``, on
         another mesh of nearly the same shape, is where that of a melt that thins starts.
@@ -105,6 +110,8 @@ class FreeSurfaceFlow:
         self.displacement = ng.GridFunction(spaces.displacement)
         self._trial_displacement = ng.GridFunction(spaces.displacement)
         self._law = Newtonian(1.0) if law is None else law
+        if middles is not None:
+            self._bend(middles)
         elements = elements_of(mesh, boundaries)
         self._make_forms(elements)
         self._set_given_velocity()
@@ -135,6 +142,15 @@ class FreeSurfaceFlow:
     def unknowns(self) -> int:
         """Return the number of unknowns of the coupled system."""
         return int(self._matrix.free.sum())
+
+    def _bend(self, middles: Array) -> None:
+        """Move the middles of edges; the quadratic of an edge is the first of its own unknowns."""
+        space, values = self.displacement.space, self.displacement.vec.FV().NumPy()
+        bent = np.flatnonzero(np.any(middles != 0.0, axis=1))
+        dofs = np.array([space.GetDofNrs(ng.NodeId(ng.EDGE, int(edge))) for edge in bent])
+        first = dofs.reshape(len(bent), 3, -1)[:, :, 0]
+        values[first] = middles[bent] / EDGE_MIDDLE
+        self.mesh.SetDeformation(self.displacement)
 
     def _set_given_velocity(self) -> None:
         """Set what is given on the boundaries; what flows in is then scaled to its exact flux."""
@@ -279,6 +295,11 @@ class FreeSurfaceFlow:
             end = piece[-1]
             left[which] = False
         return np.vstack([*line, end[None]])
+
+    @exclusive
+    def area(self, name: str) -> float:
+        """Return the area (in the plane the length) of a boundary as it lies now."""
+        return float(ng.Integrate(ng.CF(1) * ng.ds(name, bonus_intorder=2), self.mesh))
 
     @exclusive
     def kinematic_residual(self) -> float:

@@ -122,7 +122,7 @@ def spaces_on(mesh: ng.Mesh, boundaries: Boundaries, order: int) -> Spaces:
     given = ["|".join(filter(None, (boundaries.given, one))) for one in boundaries.symmetry]
     u = ng.VectorH1(mesh, order=order, **dict(zip(axes, given, strict=True)))
     p = ng.H1(mesh, order=order - 1)
-    parts = None if boundaries.rounded else mesh.Materials(boundaries.moving)
+    parts = mesh.Materials(".*" if boundaries.rounded else boundaries.moving)
     held = dict(zip(axes, boundaries.held, strict=True))
     d = ng.VectorH1(mesh, order=order, definedon=parts, **held)
     lam = ng.H1(mesh, order=order, definedon=mesh.Boundaries(boundaries.free))
@@ -140,11 +140,10 @@ def spaces_on(mesh: ng.Mesh, boundaries: Boundaries, order: int) -> Spaces:
         for dof in lam.GetDofNrs(node):
             in_surface.Clear(dof)
     in_mesh &= d.FreeDofs()
-    if parts is None:
-        for element in (~mesh.Materials(boundaries.moving)).Elements():
-            for vertex in element.vertices:
-                for dof in d.GetDofNrs(vertex):
-                    in_mesh.Clear(dof)
+    for element in (parts - mesh.Materials(boundaries.moving)).Elements():
+        for vertex in element.vertices:
+            for dof in d.GetDofNrs(vertex):
+                in_mesh.Clear(dof)
     moves = np.flatnonzero(np.fromiter(in_mesh, dtype=bool, count=d.ndof))
     coupled = u * p * ng.Compress(d, in_mesh) * ng.Compress(lam, in_surface)
     return Spaces(u * p, d, moves, coupled)
