@@ -75,6 +75,15 @@ class Step:
     jacobian: float
 
 
+def _lattice(dim: int, parts: int) -> list[tuple[float, ...]]:
+    """Return even points of the reference simplex, its corners and edges among them."""
+    return [
+        tuple(i / parts for i in node)
+        for node in itertools.product(range(parts + 1), repeat=dim)
+        if sum(node) <= parts
+    ]
+
+
 class FreeSurfaceFlow:
     """The flow on one mesh, from the flow on the mesh as given on.
 
@@ -206,15 +215,10 @@ class FreeSurfaceFlow:
 
     def _smallest_jacobian(self, displacement: ng.GridFunction) -> float:
         """Return the smallest ratio of volume of ``displacement``, on a lattice with the edges."""
-        steps, dim = 2 * self.order, self.mesh.dim
-        lattice = [
-            tuple(i / steps for i in node)
-            for node in itertools.product(range(steps + 1), repeat=dim)
-            if sum(node) <= steps
-        ]
+        lattice = _lattice(self.mesh.dim, 2 * self.order)
         rule = ng.IntegrationRule(lattice, [0.0] * len(lattice))
         points = self.mesh.MapToAllElements(rule, ng.VOL)
-        return float(ng.Det(ng.Id(dim) + ng.Grad(displacement))(points).min())
+        return float(ng.Det(ng.Id(self.mesh.dim) + ng.Grad(displacement))(points).min())
 
     @exclusive
     def step(self, rate: float = 0.0, reuse: bool = False) -> Step:
@@ -295,6 +299,14 @@ class FreeSurfaceFlow:
             end = piece[-1]
             left[which] = False
         return np.vstack([*line, end[None]])
+
+    @exclusive
+    def places(self, name: str, parts: int = 6) -> Array:
+        """Return points (n, dim) of a boundary as it lies now, a lattice on each of its faces."""
+        nodes = _lattice(self.mesh.dim - 1, parts)
+        rule = ng.IntegrationRule(nodes, [0.0] * len(nodes))
+        at = self.mesh.MapToAllElements(rule, self.mesh.Boundaries(name))
+        return np.asarray(ng.CF((ng.x, ng.y, ng.z)[: self.mesh.dim])(at))
 
     @exclusive
     def area(self, name: str) -> float:

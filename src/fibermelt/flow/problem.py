@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -10,7 +11,7 @@ from fibermelt.declared import declared, refuse_beyond
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.melt import ViscosityLaw
 
-__all__ = ["Deposition", "FlowNumerics", "Nozzle"]
+__all__ = ["BeadDeposition", "Deposition", "FlowNumerics", "Nozzle"]
 
 
 EDGES = ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
@@ -28,7 +29,8 @@ def _edge(default: float) -> Any:
 class Nozzle:
     """The nozzle above the bed: inlet channel, taper, capillary, gap; lengths in [m].
 
-    The axis is x = 0, the bed y = 0, the melt flows down and leaves to +x.
+    The axis is x = 0, the bed y = 0, the melt flows down and leaves to +x. In the plane it is a
+    slot; of a bead in space it is round, and its widths are diameters.
 
     Parameters
     ----------
@@ -92,25 +94,8 @@ class Nozzle:
 
 
 @dataclass(frozen=True)
-class Deposition:
-    """A melt pushed through a nozzle onto a moving bed (the paper's section 2.1).
-
-    Parameters
-    ----------
-    nozzle : Nozzle
-        Geometry.
-    melt : ViscosityLaw
-        What flows.
-    inlet_speed : float
-        Mean speed of the parabola at the inlet [m/s], > 0.
-    bed_speed : float
-        Speed of the bed in +x [m/s], > 0.
-
-    Raises
-    ------
-    ConfigError
-        If a speed is not positive and finite, or nozzle or melt is of another type.
-    """
+class _Printing:
+    """What depositions in the plane and in space have in common, and its units."""
 
     nozzle: Nozzle
     melt: ViscosityLaw
@@ -122,11 +107,6 @@ class Deposition:
         refuse_other("nozzle", self.nozzle, Nozzle)
         refuse_other("melt", self.melt, ViscosityLaw)
         refuse_beyond("flow", self)
-
-    @property
-    def flux(self) -> float:
-        """Return the flux per unit depth ``Q`` [m2/s]."""
-        return self.inlet_speed * self.nozzle.inlet_width
 
     @property
     def rate_scale(self) -> float:
@@ -152,10 +132,74 @@ class Deposition:
         """Return the melt's law in units of ``W``, ``V`` and the viscosity at ``V/W``."""
         return self.melt.scaled(1.0 / self.viscosity_scale, self.rate_scale)
 
+
+@dataclass(frozen=True)
+class Deposition(_Printing):
+    """A melt pushed through a nozzle onto a moving bed (the paper's section 2.1).
+
+    Parameters
+    ----------
+    nozzle : Nozzle
+        Geometry.
+    melt : ViscosityLaw
+        What flows.
+    inlet_speed : float
+        Mean speed of the parabola at the inlet [m/s], > 0.
+    bed_speed : float
+        Speed of the bed in +x [m/s], > 0.
+
+    Raises
+    ------
+    ConfigError
+        If a speed is not positive and finite, or nozzle or melt is of another type.
+    """
+
+    @property
+    def flux(self) -> float:
+        """Return the flux per unit depth ``Q`` [m2/s]."""
+        return self.inlet_speed * self.nozzle.inlet_width
+
     @property
     def mass_balance_height(self) -> float:
         """Return the bead height ``Q / V`` [m] that mass balance demands far downstream."""
         return self.flux / self.bed_speed
+
+
+@dataclass(frozen=True)
+class BeadDeposition(_Printing):
+    """The same in space: through a round nozzle onto a bed, a bead of some height and width.
+
+    Parameters
+    ----------
+    nozzle : Nozzle
+        Geometry; its widths are diameters. An inlet as wide as the capillary is a straight nozzle.
+    melt : ViscosityLaw
+        What flows.
+    inlet_speed : float
+        Mean speed over the inlet's circle [m/s], > 0.
+    bed_speed : float
+        Speed of the bed in +x [m/s], > 0.
+
+    Raises
+    ------
+    ConfigError
+        If a speed is not positive and finite, or nozzle or melt is of another type.
+    """
+
+    @property
+    def flux(self) -> float:
+        """Return the flux ``Q`` [m3/s]."""
+        return self.inlet_speed * math.pi / 4 * self.nozzle.inlet_width**2
+
+    @property
+    def mass_balance_area(self) -> float:
+        """Return the area ``Q / V`` [m2] of the bead's section that mass balance demands."""
+        return self.flux / self.bed_speed
+
+    @property
+    def speed_ratio(self) -> float:
+        """Return the mean speed at the nozzle's exit over the bed's [-]."""
+        return self.mass_balance_area / (math.pi / 4 * self.nozzle.capillary_width**2)
 
 
 @dataclass(frozen=True)
