@@ -28,7 +28,7 @@ from fibermelt.flow.forms import (
 )
 from fibermelt.flow.linear import CondensedForm, solve_at_rest
 from fibermelt.flow.spaces import Boundaries, elements_of, spaces_on
-from fibermelt.flow.strain import HeldStrain
+from fibermelt.flow.strain import COMPONENTS, HeldStrain
 from fibermelt.melt import Newtonian, ViscosityLaw
 from fibermelt.threads import exclusive
 
@@ -268,14 +268,17 @@ class FreeSurfaceFlow:
 
     @exclusive
     def strain_near(self, points: Array) -> Array:
-        """Return the strain 11, 22, 12 at ``points`` (n, 2), (3, n), from the mesh's corners."""
-        rule = ng.IntegrationRule([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)], [0.0] * 3)
+        """Return the strain's `COMPONENTS` (n_components, n) at ``points``, from the corners'."""
+        dim = self.mesh.dim
+        corners = [*map(tuple, np.eye(dim).tolist()), (0.0,) * dim]
+        rule = ng.IntegrationRule(corners, [0.0] * len(corners))
         at = self.mesh.MapToAllElements(rule, ng.VOL)
         D = ng.Sym(ng.Grad(self.velocity))
-        sampled = np.asarray(ng.CF((ng.x, ng.y, D[0, 0], D[1, 1], D[0, 1]))(at))
-        distance, nearest = cKDTree(sampled[:, :2]).query(points, k=NEAREST)
+        place = (ng.x, ng.y, ng.z)[:dim]
+        sampled = np.asarray(ng.CF((*place, *(D[i, j] for i, j in COMPONENTS[dim])))(at))
+        distance, nearest = cKDTree(sampled[:, :dim]).query(points, k=NEAREST)
         weight = 1.0 / (distance + NEARLY)
-        mean = np.einsum("nk,nkc->cn", weight, sampled[nearest, 2:])
+        mean = np.einsum("nk,nkc->cn", weight, sampled[nearest, dim:])
         return np.asarray(mean / weight.sum(axis=1))
 
     @exclusive

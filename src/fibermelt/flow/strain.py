@@ -15,6 +15,7 @@ larger than the larger of ``D`` and ``E``. Where a melt thickens stress is the s
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import ngsolve as ng
@@ -22,18 +23,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.melt import ViscosityLaw
-from fibermelt.melt.strain import NOTHING, WEIGHTS, strain_of_stress
+from fibermelt.melt.strain import NOTHING, SPACE_WEIGHTS, WEIGHTS, strain_of_stress
 
-__all__ = ["HeldStrain"]
+__all__ = ["COMPONENTS", "HeldStrain"]
 
 Array = NDArray[np.float64]
+
+COMPONENTS = {
+    2: ((0, 0), (1, 1), (0, 1)),
+    3: ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)),
+}
+"""Of a symmetric tensor, by dimension, in the order that strains are kept in."""
 
 
 class HeldStrain:
     """What is held at the points of integration of some elements; a Newtonian melt at first.
 
     ``strain``, ``viscosity`` and ``slope``, ``E``, ``eta`` and ``d eta/ds``, are expressions for
-    integrals with ``rules``; ``places`` (k, 2) is where the points lie.
+    integrals with ``rules``; ``places`` (k, dim) is where the points lie.
 
     Parameters
     ----------
@@ -55,41 +62,46 @@ class HeldStrain:
         """Hold no strain and a viscosity of one."""
         space = ng.comp.IntegrationRuleSpace(mesh, order=order // 2)  # its rule has twice as much
         self.rules = space.GetIntegrationRules()
-        rule = self.rules[ng.ET.TRIG]
+        self._dim, self._components = mesh.dim, COMPONENTS[mesh.dim]
+        self._weights = WEIGHTS if mesh.dim == 2 else SPACE_WEIGHTS
+        rule = self.rules[ng.ET.TRIG if mesh.dim == 2 else ng.ET.TET]
         chosen = np.fromiter(elements, dtype=bool, count=mesh.ne)
         self._chosen = np.repeat(chosen, len(rule.points))
         self._points = mesh.MapToAllElements(rule, ng.VOL)[self._chosen]
         self._law, self._present = law, ng.Sym(gradient)
-        held = [ng.GridFunction(space) for _ in range(3)]
+        held = {component: ng.GridFunction(space) for component in self._components}
         self.viscosity, self.slope = ng.GridFunction(space), ng.GridFunction(space)
-        self.strain = ng.CF((held[0], held[2], held[2], held[1]), dims=(2, 2))
-        self._stored = [f.vec.FV().NumPy() for f in (*held, self.viscosity, self.slope)]
+        every = itertools.product(range(mesh.dim), repeat=2)
+        symmetric = tuple(held[min(i, j), max(i, j)] for i, j in every)
+        self.strain = ng.CF(symmetric, dims=(mesh.dim, mesh.dim))
+        self._stored = [f.vec.FV().NumPy() for f in (*held.values(), self.viscosity, self.slope)]
         count = len(self._points)
-        self._store(np.zeros((len(WEIGHTS), count)), np.ones(count), np.zeros(count))
+        self._store(np.zeros((len(held), count)), np.ones(count), np.zeros(count))
 
     @property
     def places(self) -> Array:
         """Return where the points lie now."""
-        return np.asarray(ng.CF((ng.x, ng.y))(self._points))
+        return np.asarray(ng.CF((ng.x, ng.y, ng.z)[: self._dim])(self._points))
 
     @property
     def present(self) -> Array:
-        """Return the strain of the present state, components 11, 22, 12, (3, k)."""
-        values = np.asarray(self._present(self._points)).reshape(-1, 4)
-        return np.ascontiguousarray(values[:, [0, 3, 1]].T)
+        """Return the strain of the present state, its `COMPONENTS` (3, k) or (6, k)."""
+        values = np.asarray(self._present(self._points)).reshape(-1, self._dim**2)
+        chosen = [self._dim * i + j for i, j in self._components]
+        return np.ascontiguousarray(values[:, chosen].T)
 
     def hold(self, strain: Array) -> None:
-        """Linearise at a strain (3, k)."""
-        self._store(strain, *self._law.expression(2.0 * (WEIGHTS @ strain**2) + NOTHING**2))
+        """Linearise at a strain (3, k) or (6, k)."""
+        self._store(strain, *self._law.expression(2.0 * (self._weights @ strain**2) + NOTHING**2))
 
     def follow(self) -> None:
         """Linearise at the strain whose stress is the one ahead."""
         *held, viscosity, slope = (values[self._chosen] for values in self._stored)
         before, found = np.array(held), self.present
-        ahead = WEIGHTS @ (before * (found - before))
+        ahead = self._weights @ (before * (found - before))
         stress = 2.0 * viscosity * found + 8.0 * slope * ahead * before
         strain = strain_of_stress(self._law, stress, found)
-        size, *sizes = (WEIGHTS @ values**2 for values in (strain, found, before))
+        size, *sizes = (self._weights @ values**2 for values in (strain, found, before))
         part = np.maximum(*sizes) / np.maximum(size, NOTHING**2)
         strain *= np.sqrt(np.minimum(1.0, part))
         self.hold(np.where(slope > 0.0, found, strain))

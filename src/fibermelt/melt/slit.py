@@ -1,15 +1,16 @@
-"""The fully developed flow of a melt in a slit: profile, wall rate, pressure drop, flux.
+"""The fully developed flow of a melt in a slit and in a pipe: profile, wall rate, pressure drop.
 
-The shear stress is linear across a slit whatever the law, ``tau = tau_w |z|`` with ``z`` from -1
-to 1 between the walls, so that ``gamma_dot(z)`` solves ``eta(gamma_dot) gamma_dot = tau_w |z|`` at
-each point by itself, and the mean speed ``U = (H/2) int_0^1 z gamma_dot dz`` (Weissenberg,
-Rabinowitsch) fixes ``tau_w``.
+The shear stress is linear from the middle to the wall whatever the law, ``tau = tau_w z`` with ``z``
+from 0 to 1, so that ``gamma_dot(z)`` solves ``eta(gamma_dot) gamma_dot = tau_w z`` at each point by
+itself, and the mean speed (Weissenberg, Rabinowitsch) fixes ``tau_w``: with ``R`` the distance of
+the wall from the middle ``U = R int_0^1 z^m gamma_dot dz``, ``m = 1`` in a slit and 2 in a pipe.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from scipy.optimize import brentq
 from fibermelt.errors import ConfigError
 from fibermelt.melt.law import ViscosityLaw
 
-__all__ = ["SlitFlow"]
+__all__ = ["PipeFlow", "SlitFlow"]
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,113 @@ STEPS = 60
 """Bisections of the logarithm of a rate over forty decades: to the last digit."""
 
 
+class _Developed:
+    """What both have in common; ``_wall`` is ``R`` [m], ``_power`` is ``m``, ``_called`` a name."""
+
+    law: ViscosityLaw
+    speed: float
+    _power: ClassVar[int]
+    _called: ClassVar[str]
+
+    @property
+    def _wall(self) -> float:
+        raise NotImplementedError
+
+    @cached_property
+    def wall_rate(self) -> float:
+        """Return the rate of deformation at the wall [1/s]; Newtonian: ``6 U/H``, ``8 U/D``.
+
+        Raises
+        ------
+        ConfigError
+            If no rate carries this flux.
+        """
+        newtonian = (self._power + 2) * self.speed / self._wall
+        if self.law.is_newtonian:
+            return newtonian
+        z, weights = _towards_the_axis()
+
+        def missing(log_rate: float) -> float:
+            wall = np.exp(log_rate)
+            rates = _rates(self.law, z * self.law.stress_at(wall), wall)
+            mean = self._wall * np.sum(weights * z**self._power * rates)
+            return float(mean / self.speed - 1.0)
+
+        low, high = np.log(newtonian / RATES_AROUND), np.log(newtonian * RATES_AROUND)
+        if missing(low) > 0 or missing(high) < 0:
+            msg = (
+                f"melt: no rate at the wall of a {self._called} {2 * self._wall:g} m wide carries "
+                f"a mean speed of {self.speed:g} m/s with {self.law}"
+            )
+            raise ConfigError(msg)
+        return float(np.exp(brentq(missing, low, high, xtol=1e-14, rtol=1e-14)))
+
+    @property
+    def wall_stress(self) -> float:
+        """Return the shear stress at the wall [Pa]."""
+        return float(self.law.stress_at(self.wall_rate))
+
+    @property
+    def pressure_gradient(self) -> float:
+        """Return ``-dp/dx`` [Pa/m]; Newtonian: ``12 mu U/H^2``, ``32 mu U/D^2``."""
+        return self._power * self.wall_stress / self._wall
+
+    @cached_property
+    def _profile(self) -> CubicHermiteSpline:
+        """Return ``u / U`` over ``z``, with exact slopes, and a mean of exactly 1."""
+        z = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, KNOTS)) ** 2
+        nodes, weights = np.polynomial.legendre.leggauss(4)
+        half = 0.5 * np.diff(z)[:, None]
+        inner = z[:-1, None] + half * (1 + nodes)
+        rates = _rates(self.law, inner * self.wall_stress, self.wall_rate)
+        falls = 0.5 * self._wall * np.diff(z) * (rates @ weights)
+        u = np.r_[np.cumsum(falls[::-1])[::-1], 0.0] / self.speed
+        slope = -self._wall * _rates(self.law, z * self.wall_stress, self.wall_rate)
+        spline = CubicHermiteSpline(z, u, slope / self.speed)
+        area = self._power * inner ** (self._power - 1)
+        mean = float(np.sum(half * weights * area * spline(inner)))
+        return CubicHermiteSpline(z, u / mean, slope / (self.speed * mean))
+
+    def velocity(self, x: Array) -> Array:
+        """Return the velocity [m/s] at ``x`` [m] from the middle; zero at and beyond the walls."""
+        z = np.abs(np.asarray(x) / self._wall)
+        if self.law.is_newtonian:
+            top = 0.5 * (self._power + 2) * self.speed
+            return np.asarray(top * np.clip(1 - z**2, 0.0, None))
+        return np.asarray(self.speed * self._profile(np.clip(z, 0.0, 1.0)))
+
+
 @dataclass(frozen=True)
-class SlitFlow:
+class PipeFlow(_Developed):
+    """A melt flowing steadily in a round pipe.
+
+    Parameters
+    ----------
+    law : ViscosityLaw
+        Its stress must grow with its rate.
+    diameter : float
+        ``D`` [m].
+    speed : float
+        Mean speed ``U`` [m/s], > 0.
+
+    References
+    ----------
+    Bird, Armstrong and Hassager, Dynamics of Polymeric Liquids 1 (1987), section 4.2.
+    """
+
+    _power: ClassVar[int] = 2
+    _called: ClassVar[str] = "pipe"
+    law: ViscosityLaw
+    diameter: float
+    speed: float
+
+    @property
+    def _wall(self) -> float:
+        return self.diameter / 2
+
+
+@dataclass(frozen=True)
+class SlitFlow(_Developed):
     """A melt flowing steadily between two plates.
 
     Parameters
@@ -55,68 +161,15 @@ class SlitFlow:
     Bird, Armstrong and Hassager, Dynamics of Polymeric Liquids 1 (1987), section 4.2.
     """
 
+    _power: ClassVar[int] = 1
+    _called: ClassVar[str] = "slit"
     law: ViscosityLaw
     width: float
     speed: float
 
-    @cached_property
-    def wall_rate(self) -> float:
-        """Return the rate of deformation at the wall [1/s]; Newtonian: ``6 U / H``.
-
-        Raises
-        ------
-        ConfigError
-            If no rate carries this flux.
-        """
-        newtonian = 6 * self.speed / self.width
-        if self.law.is_newtonian:
-            return newtonian
-        z, weights = _towards_the_axis()
-
-        def missing(log_rate: float) -> float:
-            wall = np.exp(log_rate)
-            rates = _rates(self.law, z * self.law.stress_at(wall), wall)
-            return float(0.5 * self.width * np.sum(weights * z * rates) / self.speed - 1.0)
-
-        low, high = np.log(newtonian / RATES_AROUND), np.log(newtonian * RATES_AROUND)
-        if missing(low) > 0 or missing(high) < 0:
-            msg = (
-                f"melt: no rate at the wall of a slit {self.width:g} m wide carries a mean speed "
-                f"of {self.speed:g} m/s with {self.law}"
-            )
-            raise ConfigError(msg)
-        return float(np.exp(brentq(missing, low, high, xtol=1e-14, rtol=1e-14)))
-
     @property
-    def wall_stress(self) -> float:
-        """Return the shear stress at the wall [Pa]."""
-        return float(self.law.stress_at(self.wall_rate))
-
-    @property
-    def pressure_gradient(self) -> float:
-        """Return ``-dp/dx = 2 tau_w / H`` [Pa/m]; Newtonian: ``12 mu U / H^2``."""
-        return 2 * self.wall_stress / self.width
-
-    @cached_property
-    def _profile(self) -> CubicHermiteSpline:
-        """Return ``u / U`` over ``|z|``, with exact slopes, and a mean of exactly 1."""
-        z = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, KNOTS)) ** 2
-        nodes, weights = np.polynomial.legendre.leggauss(4)
-        inner = z[:-1, None] + 0.5 * np.diff(z)[:, None] * (1 + nodes)
-        rates = _rates(self.law, inner * self.wall_stress, self.wall_rate)
-        falls = 0.25 * self.width * np.diff(z) * (rates @ weights)
-        u = np.r_[np.cumsum(falls[::-1])[::-1], 0.0] / self.speed
-        slope = -0.5 * self.width * _rates(self.law, z * self.wall_stress, self.wall_rate)
-        spline = CubicHermiteSpline(z, u, slope / self.speed)
-        mean = float(spline.integrate(0.0, 1.0))
-        return CubicHermiteSpline(z, u / mean, slope / (self.speed * mean))
-
-    def velocity(self, x: Array) -> Array:
-        """Return the velocity [m/s] at ``x`` [m] from the middle; zero at and beyond the walls."""
-        z = np.abs(2 * np.asarray(x) / self.width)
-        if self.law.is_newtonian:
-            return np.asarray(1.5 * self.speed * np.clip(1 - z**2, 0.0, None))
-        return np.asarray(self.speed * self._profile(np.clip(z, 0.0, 1.0)))
+    def _wall(self) -> float:
+        return self.width / 2
 
     def position_at_flux(self, fraction: Array) -> Array:
         """Return ``x`` [m] from the middle, left of which a part of the flux flows.

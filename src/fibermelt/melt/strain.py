@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fibermelt.melt.law import ViscosityLaw
 
-__all__ = ["NOTHING", "WEIGHTS", "strain_of_stress"]
+__all__ = ["NOTHING", "SPACE_WEIGHTS", "WEIGHTS", "strain_of_stress"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,9 @@ NOTHING = 1e-14
 WEIGHTS = np.array([1.0, 1.0, 2.0])
 """Of the components 11, 22, 12 in a product of two symmetric tensors."""
 
+SPACE_WEIGHTS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+"""The same in space, of 11, 22, 33, 12, 13, 23."""
+
 
 def strain_of_stress(law: ViscosityLaw, stress: Array, strain: Array) -> Array:
     """Return the strain ``E`` [1/s] whose stress ``2 eta(gamma_dot) E`` [Pa] is given.
@@ -31,13 +34,14 @@ def strain_of_stress(law: ViscosityLaw, stress: Array, strain: Array) -> Array:
     ----------
     law : ViscosityLaw
         Its stress must grow with its rate.
-    stress : (3, k) array
-        Components 11, 22, 12.
-    strain : (3, k) array
+    stress : (3, k) or (6, k) array
+        Components 11, 22, 12, or in space 11, 22, 33, 12, 13, 23.
+    strain : (3, k) or (6, k) array
         A guess of its size.
     """
-    size = np.sqrt(0.5 * (WEIGHTS @ stress**2))
-    wanted, rate = np.log(size + NOTHING), np.log(np.sqrt(2.0 * (WEIGHTS @ strain**2)) + NOTHING)
+    weights = WEIGHTS if len(stress) == len(WEIGHTS) else SPACE_WEIGHTS
+    size = np.sqrt(0.5 * (weights @ stress**2))
+    wanted, rate = np.log(size + NOTHING), np.log(np.sqrt(2.0 * (weights @ strain**2)) + NOTHING)
     for _ in range(MOST_INVERSIONS):
         s = np.exp(2.0 * rate)
         viscosity, slope = law.expression(s)

@@ -8,7 +8,7 @@ import pytest
 
 from fibermelt.flow.forms import BedFilm
 from fibermelt.flow.freesurface import FreeSurfaceFlow
-from fibermelt.flow.space.swell import round_swell_problem, solve_round_swell
+from fibermelt.flow.space.swell import round_swell_problem
 
 pytestmark = pytest.mark.verification
 

@@ -70,9 +70,7 @@ class Tube:
         growth : float
             Added length per distance.
         """
-        up, down = (
-            graded_spacing(abs(end), bulk_edge, growth, start=lip_edge) for end in stations
-        )
+        up, down = (graded_spacing(abs(end), bulk_edge, growth, start=lip_edge) for end in stations)
         inwards = graded_spacing(1.0, bulk_edge, growth, start=lip_edge)
         return cls(np.r_[-up[:0:-1], down], 1.0 - inwards[::-1], sectors)
 
