@@ -16,7 +16,7 @@ from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.flow.linear import CondensedForm
 from fibermelt.flow.problem import Deposition
 
-__all__ = ["field_of", "with_error"]
+__all__ = ["field_of", "projections", "with_error"]
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def _fits(space: Any, matrix: Any, loads: list[Any]) -> list[ng.GridFunction]:
     return fits
 
 
-def _projections(mesh: ng.Mesh, order: int, functions: list[Any]) -> list[ng.GridFunction]:
+def projections(mesh: ng.Mesh, order: int, functions: list[Any]) -> list[ng.GridFunction]:
     """Return the L2 projections of ``functions`` on continuous ones of degree ``order``."""
     space = ng.H1(mesh, order=order)
     trial, test = space.TnT()
@@ -104,7 +104,7 @@ def field_of(flow: FreeSurfaceFlow, problem: Deposition, *, stream: bool = True)
     length, speed = problem.nozzle.capillary_width, problem.bed_speed
     slope = ng.Grad(flow.velocity)
     parts = [slope[0, 0] - slope[1, 1], slope[0, 1], slope[1, 0]]
-    gradient = _projections(mesh, flow.order, parts)
+    gradient = projections(mesh, flow.order, parts)
     psi = _stream_function(flow) if stream else ng.CF(0.0)
     # the solver's reference triangle has its corners at (1,0), (0,1), (0,0)
     nodes = LagrangeTriangle(order).nodes

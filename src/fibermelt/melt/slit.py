@@ -1,6 +1,6 @@
 """The fully developed flow of a melt in a slit and in a pipe: profile, wall rate, pressure drop.
 
-The shear stress is linear from the middle to the wall whatever the law, ``tau = tau_w z`` with ``z``
+The shear stress is linear from the middle to the wall whatever the law, ``tau = tau_w z`` with z
 from 0 to 1, so that ``gamma_dot(z)`` solves ``eta(gamma_dot) gamma_dot = tau_w z`` at each point by
 itself, and the mean speed (Weissenberg, Rabinowitsch) fixes ``tau_w``: with ``R`` the distance of
 the wall from the middle ``U = R int_0^1 z^m gamma_dot dz``, ``m = 1`` in a slit and 2 in a pipe.
