@@ -54,9 +54,11 @@ SLOWEST = 1e-3
 UPWIND = 0.2
 """Weight of the upwinding, in edges; from 0.05 to 1 the die swell changes by less than 1e-5."""
 
-GRAD_DIV = 1.0
-"""Weight of the grad-div term [viscosities]: consistent (the flow has no divergence), it keeps the
-discrete velocity solenoidal enough for streamlines to stay on their stream function."""
+GRAD_DIV = {2: 1.0, 3: 0.1}
+"""Weight of the grad-div term [viscosities], by dimension: consistent (the flow has no divergence),
+it keeps the discrete velocity solenoidal enough for planar streamlines to stay on their stream
+function. Tetrahedra have few solenoidal quadratics: there a weight of one takes the divergence from
+9 to 8 per cent of the gradient, and puts a round die's swell on a coarse mesh off by 0.005 more."""
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,11 @@ def _tr(w: Form) -> Form:
     return sum((w[i, i] for i in range(1, w.dims[0])), start=w[0, 0])
 
 
+def _spherical(w: Form) -> Form:
+    dim = w.dims[0]
+    return GRAD_DIV[dim] * _tr(w) * ng.Id(dim)
+
+
 class ViscousStress:
     """The stress of a melt without its pressure, ``2 eta D + gamma div u I``, and its derivative.
 
@@ -166,7 +173,7 @@ class ViscousStress:
         if self.held is None:
             return self.value
         shear = 2 * self.held.viscosity * self.held.strain
-        return shear + GRAD_DIV * _tr(self.gradient) * ng.Id(self.gradient.dims[0])
+        return shear + _spherical(self.gradient)
 
     def along(self, w: Form) -> Form:
         """Return the stress's derivative with the velocity gradient, in the direction ``w``.
@@ -176,7 +183,7 @@ class ViscousStress:
         return self._along(w, w)
 
     def _along(self, w: Form, ahead: Form) -> Form:
-        spherical = GRAD_DIV * _tr(w) * ng.Id(w.dims[0])
+        spherical = _spherical(w)
         if self.held is None:
             return 2 * _sym(w) + spherical
         turned = 8 * self.held.slope * ng.InnerProduct(self.held.strain, ahead)

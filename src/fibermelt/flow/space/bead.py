@@ -47,8 +47,7 @@ FILM_LEFT = 0.25
 the film once more changes the extrapolated height by a sixteenth of it."""
 
 MAX_STEPS = 20
-"""Steps on one film; 4 to 6 are taken where Newton's lead there, 7 to 9 where those of implicit time
-do."""
+"""Steps on one film; 4 to 6 are taken where Newton's lead there, 7 to 9 with implicit time."""
 
 FIRST_RATE, LAST_RATE = 1.0, 0.2
 """Rates [bed speeds per diameter] at which steps of implicit time begin and end."""
@@ -284,9 +283,9 @@ def _refuse_unverified(problem: BeadDeposition) -> None:
         speed = problem.bed_speed * ratio / SLOWEST_EXIT
         msg = (
             f"flow.bed_speed = {problem.bed_speed:g} m/s: the melt leaves the nozzle at "
-            f"{ratio:.3g} of it; below {SLOWEST_EXIT:g} the bed draws the strand, which adhesion alone would "
-            f"hold, and a bead in space has none: lower flow.bed_speed to {speed:.4g} m/s or less, "
-            "or raise flow.inlet_speed"
+            f"{ratio:.3g} of it; below {SLOWEST_EXIT:g} the bed draws the strand, which adhesion "
+            "alone would hold, and a bead in space has none: lower flow.bed_speed to "
+            f"{speed:.4g} m/s or less, or raise flow.inlet_speed"
         )
         raise ConfigError(msg)
     if nozzle.outlet < NEAREST_OUTLET:
@@ -366,8 +365,8 @@ class _Search:
         nozzle, ratio = self.problem.nozzle, self.problem.speed_ratio
         msg = (
             f"bead in space: no steady strand found for flow.gap = {nozzle.gap:g} m and a melt "
-            f"that leaves at {ratio:.3g} of flow.bed_speed = {self.problem.bed_speed:g} m/s: it still "
-            f"moves {step.size:.1e} diameters after {MAX_STEPS} steps (bound "
+            f"that leaves at {ratio:.3g} of flow.bed_speed = {self.problem.bed_speed:g} m/s: it "
+            f"still moves {step.size:.1e} diameters after {MAX_STEPS} steps (bound "
             f"numerics.flow_tolerance = {self.numerics.flow_tolerance:g}), residual "
             f"{step.residual:.1e}, most of it in the {step.worst_field}; bring flow.gap nearer to "
             "a diameter, flow.bed_speed nearer to the speed at the exit, or raise numerics.film"
@@ -411,8 +410,8 @@ class _Search:
             msg = (
                 f"bead in space: at flow.gap = {nozzle.gap:g} m the strand lies "
                 f"{lowest * width:.2g} m above the bed at the outlet, where the film that stands "
-                f"for the bed is {film * width:.2g} m thick: it has left the bed, on which adhesion "
-                "alone would hold it, and a bead in space has none: lower flow.gap or "
+                f"for the bed is {film * width:.2g} m thick: it has left the bed, on which "
+                "adhesion alone would hold it, and a bead in space has none: lower flow.gap or "
                 "flow.bed_speed, or raise flow.inlet_speed"
             )
             raise ConvergenceError(msg)

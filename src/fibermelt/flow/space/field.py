@@ -88,9 +88,8 @@ def bead_field_of(flow: FreeSurfaceFlow, problem: BeadDeposition) -> BeadField:
     recovered = projections(mesh, order, parts)
     barycentric = _nodes(order)
     # the solver's reference tetrahedron has its corners at e_x, e_y, e_z and 0
-    rule = ng.IntegrationRule(
-        [tuple(map(float, b[:3])) for b in barycentric], [0.0] * len(barycentric)
-    )
+    nodes = [tuple(map(float, node[:3])) for node in barycentric]
+    rule = ng.IntegrationRule(nodes, [0.0] * len(nodes))
     at = mesh.MapToAllElements(rule, ng.VOL)
     values = ng.CF((ng.x, ng.y, ng.z, flow.velocity, flow.pressure, *recovered, *parts))
     sampled = np.asarray(values(at))
