@@ -58,3 +58,11 @@ def test_linearisation_is_exact(film: float | None) -> None:
         rows = rows[(rows >= part.start) & (rows < part.stop)]
         error = np.abs(difference - exact)[rows].max() / np.abs(exact)[rows].max()
         assert error < 1e-6, which  # central differences of step 1e-4
+
+
+@pytest.mark.slow
+def test_swell_is_the_literatures() -> None:
+    """First order in the lip's edge, as its singularity leaves: extrapolated from two of them."""
+    coarse, fine = (solve_round_swell(edge, sectors=16).swell for edge in (0.1, 0.05))
+    assert coarse > fine > SWELL
+    assert 2 * fine - coarse == pytest.approx(SWELL, abs=1e-3)
