@@ -28,7 +28,9 @@ def test_elements_fill_the_tube_and_share_all_inner_faces() -> None:
     # each tetrahedron has four faces, inner ones are shared: a mesh that does not conform has more
     outer = sum(1 for _ in mesh.Elements(ng.BND))
     assert 2 * mesh.nface - outer == 4 * mesh.ne
-    assert ng.Integrate(ng.CF(1), mesh, definedon=mesh.Materials("nozzle")) == pytest.approx(POLYGON)
+    assert ng.Integrate(ng.CF(1), mesh, definedon=mesh.Materials("nozzle")) == pytest.approx(
+        POLYGON
+    )
 
 
 def test_boundaries_are_where_they_say_and_look_outwards() -> None:

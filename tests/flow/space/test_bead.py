@@ -1,0 +1,128 @@
+"""The bead in space: what is refused before it is solved, balances, exact scalings, limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fibermelt.errors import ConfigError, ConvergenceError
+from fibermelt.flow.problem import BeadDeposition, Nozzle
+from fibermelt.flow.space.bead import BeadNumerics, BeadSolution, solve_bead
+from fibermelt.melt import CarreauYasuda, Newtonian
+
+D = 3.175e-3
+NOZZLE = Nozzle(D, 0.1 * D, 0.1 * D, D, 0.6 * D, D, 3 * D)
+"""Straight, 0.8 diameters long, a gap of one: what the numbers to hold against were found on."""
+
+STANDARD = BeadDeposition(NOZZLE, Newtonian(817.0), inlet_speed=0.095, bed_speed=0.1)
+COARSE = BeadNumerics(lip_edge=0.1, bulk_edge=0.4, rim_edge=0.1, sectors=8, film=0.02)
+
+
+@pytest.mark.parametrize(
+    ("problem", "said"),
+    [
+        (
+            replace(STANDARD, nozzle=replace(NOZZLE, gap=0.6 * D)),
+            r"flow\.gap = 0\.001905 m is 0\.6 diameters: below 0\.75 .* outer face.* raise "
+            r"flow\.gap to 0\.002381 m or more",
+        ),
+        (
+            replace(STANDARD, inlet_speed=0.06),
+            r"flow\.bed_speed = 0\.1 m/s: .* at 0\.6 of it; .* lower flow\.bed_speed to 0\.075 m/s",
+        ),
+        (
+            replace(STANDARD, nozzle=replace(NOZZLE, outlet=2 * D)),
+            r"flow\.outlet = 0\.00635 m is 2 diameters .* raise it to 0\.007938 m or more",
+        ),
+    ],
+)
+def test_what_no_formulation_holds_is_refused_before_it_is_solved(
+    problem: BeadDeposition, said: str
+) -> None:
+    with pytest.raises(ConfigError, match=said):
+        solve_bead(problem)
+
+
+def test_numerics_without_a_mesh_are_refused() -> None:
+    with pytest.raises(ConfigError, match=r"numerics\.sectors = 10: must be a multiple of four"):
+        BeadNumerics(sectors=10)
+    with pytest.raises(ConfigError, match=r"numerics\.film = 0\.2: must be at most 0\.05"):
+        BeadNumerics(film=0.2)
+
+
+def test_speed_ratio_is_that_of_the_exit() -> None:
+    tapered = replace(NOZZLE, inlet_width=2 * D)
+    problem = BeadDeposition(tapered, Newtonian(817.0), inlet_speed=0.02, bed_speed=0.1)
+    assert problem.speed_ratio == pytest.approx(0.8)
+    assert problem.mass_balance_area == pytest.approx(0.8 * np.pi / 4 * D**2)
+
+
+@pytest.fixture(scope="module")
+def coarse_bead() -> BeadSolution:
+    return solve_bead(STANDARD, COARSE)
+
+
+@pytest.mark.slow
+@pytest.mark.verification
+def test_balances(coarse_bead: BeadSolution) -> None:
+    assert coarse_bead.mass_imbalance < 5e-3  # of eight sectors; 2e-4 of twenty-four
+    problem, field = coarse_bead.problem, coarse_bead.field
+    # nothing flows through the plane of symmetry, nor the nozzle's wall
+    on_plane = np.abs(field.points[:, 2]) < 1e-9
+    assert np.abs(field.velocity[on_plane, 2]).max() < 1e-12
+    above = field.points[:, 1] > problem.nozzle.gap + 1e-9
+    r = np.hypot(field.points[:, 0], field.points[:, 2])
+    on_wall = above & (r > 0.4999 * D)
+    assert on_wall.any()
+    assert np.abs(field.velocity[on_wall]).max() < 1e-12
+    trace = np.trace(field.gradient, axis1=1, axis2=2)
+    assert np.abs(trace).max() < 1e-9 * problem.rate_scale
+    np.testing.assert_allclose(field.viscosity, 817.0)
+
+
+@pytest.mark.slow
+@pytest.mark.verification
+def test_numbers_bracket_those_of_finer_meshes(coarse_bead: BeadSolution) -> None:
+    """An independent code's, with its own meshes: +- 0.003 of height and width, 0.01 of others."""
+    for name, value, known in (
+        ("bead_height", 0.767, 0.003),
+        ("bead_width", 1.149, 0.003),
+        ("widest", 1.28, 0.01),
+        ("heel", -0.510, 0.005),
+        ("front", 0.03, 0.03),
+        ("section_area", 0.7461 * D, 1e-4 * D),
+    ):
+        off = abs(getattr(coarse_bead, name) / D - value)
+        assert off < getattr(coarse_bead.error, name) / D + known, name
+
+
+@pytest.mark.slow
+@pytest.mark.verification
+def test_viscosity_scales_the_pressure_only(coarse_bead: BeadSolution) -> None:
+    thick = solve_bead(replace(STANDARD, melt=Newtonian(8170.0)), COARSE)
+    assert thick.bead_height == pytest.approx(coarse_bead.bead_height, rel=1e-9)
+    assert thick.inlet_pressure == pytest.approx(10 * coarse_bead.inlet_pressure, rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.verification
+def test_a_melt_that_thins(coarse_bead: BeadSolution) -> None:
+    law = CarreauYasuda(817.0, 0.5, 0.1)
+    thinning = solve_bead(replace(STANDARD, melt=law), COARSE)
+    assert thinning.mass_imbalance < 5e-3
+    assert thinning.inlet_pressure < 0.7 * coarse_bead.inlet_pressure
+    rate = np.linalg.norm(
+        thinning.field.gradient + thinning.field.gradient.transpose(0, 2, 1), axis=(1, 2)
+    ) / np.sqrt(2)
+    np.testing.assert_allclose(thinning.field.viscosity, law.viscosity_at(rate), rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.verification
+def test_a_strand_that_leaves_the_bed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Newton converges to one that peels off; without the first refusal the second sees it."""
+    monkeypatch.setattr("fibermelt.flow.space.bead.SLOWEST_EXIT", 0.0)
+    with pytest.raises(ConvergenceError, match=r"it has left the bed|rises to y|no steady strand"):
+        solve_bead(replace(STANDARD, inlet_speed=0.06), COARSE)
