@@ -20,7 +20,7 @@ from fibermelt.melt import (
     PowerLaw,
     ViscosityLaw,
 )
-from fibermelt.melt.slit import SlitFlow
+from fibermelt.melt.slit import PipeFlow, SlitFlow
 from fibermelt.melt.temperature import WLF, ArrheniusShift
 
 ROUNDING = 1e-12
@@ -157,6 +157,18 @@ def test_a_power_law_in_a_slit_is_exact(index: float) -> None:
     x = np.linspace(-H / 2, H / 2, 41)
     exact = U * (2 * index + 1) / (index + 1) * (1 - np.abs(2 * x / H) ** (1 / index + 1))
     np.testing.assert_allclose(slit.velocity(x), exact, atol=1e-7 * U)
+
+
+@pytest.mark.parametrize("index", [1.0, 0.5, 0.25])
+def test_a_power_law_in_a_pipe_is_exact(index: float) -> None:
+    K, D, U = 1000.0, 3e-3, 0.1
+    pipe = PipeFlow(PowerLaw(K, index, 1e-5), D, U)
+    wall = (2 * U / D) * (3 * index + 1) / index
+    assert pipe.wall_rate == pytest.approx(wall, rel=1e-8)
+    assert pipe.pressure_gradient == pytest.approx(4 * K / D * wall**index, rel=1e-8)
+    r = np.linspace(0.0, D / 2, 41)
+    exact = U * (3 * index + 1) / (index + 1) * (1 - (2 * r / D) ** (1 / index + 1))
+    np.testing.assert_allclose(pipe.velocity(r), exact, atol=1e-7 * U)
 
 
 @pytest.mark.parametrize("law", EXAMPLES.values(), ids=EXAMPLES)

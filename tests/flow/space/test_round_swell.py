@@ -8,9 +8,12 @@ import pytest
 
 from fibermelt.flow.forms import BedFilm
 from fibermelt.flow.freesurface import FreeSurfaceFlow
-from fibermelt.flow.space.swell import round_swell_problem
+from fibermelt.flow.space.swell import round_swell_problem, solve_round_swell
 
 pytestmark = pytest.mark.verification
+
+SWELL = 1.130
+"""Round Newtonian swell ratio without surface tension (Mitsoulis et al. 2012)."""
 
 
 @pytest.mark.parametrize("film", [None, 0.3])

@@ -51,7 +51,7 @@ def test_boundaries_are_where_they_say_and_look_outwards() -> None:
 
 
 def test_edges_on_the_rim_are_bent_to_its_circle() -> None:
-    mesh, middles = tube_mesh(TUBE, _straight)
+    _, middles = tube_mesh(TUBE, _straight)
     sagitta = 1 - np.cos(np.pi / (2 * SECTORS))
     size = np.linalg.norm(middles, axis=1)
     bent = size > 1e-12
