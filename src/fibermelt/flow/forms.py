@@ -96,8 +96,9 @@ class BedFilm:
     a friction that lets nothing through and fades over the thickness ``eps``; all three components,
     so that what is pressed on cannot lift freely. For ``eps -> 0`` it is a bed that sticks: in the
     plane heel and inlet pressure come to a sharp bed's with first order, and the contour
-    ``y = 2 eps`` is its contact to 0.004 widths. It holds what is pressed on, and gives back no more than it took: a
-    strand that is drawn peels off. The bed lies at y = 0 and moves at the speed 1 in x.
+    ``y = 2 eps`` is its contact to 0.004 widths. It holds what is pressed on it, and gives back no
+    more than it took: a strand that is drawn peels off. The bed lies at y = 0 and moves at the
+    speed 1 in x.
 
     Parameters
     ----------
