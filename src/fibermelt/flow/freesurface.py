@@ -266,6 +266,10 @@ class FreeSurfaceFlow:
             self._equilibrium.settle()
         return Step(*met, size, fraction, jacobian)
 
+    def release(self) -> None:
+        """Let the factors of the last step go: where the flow is solved nobody needs them."""
+        self._matrix.release()
+
     @exclusive
     def strain_near(self, points: Array) -> Array:
         """Return the strain's `COMPONENTS` (n_components, n) at ``points``, from the corners'."""

@@ -85,6 +85,10 @@ class CondensedForm:
         with _one_thread():
             self._inverse = self._form.mat.Inverse(self._outer, inverse=self._solver)
 
+    def release(self) -> None:
+        """Let the factors go, most of what a large flow keeps; a next solve needs new ones."""
+        self._inverse = None
+
     def solve(self, right: ng.BaseVector) -> tuple[ng.BaseVector, float]:
         """Return the solution for ``right``, zero where not free, and the residual it leaves."""
         form, outer = self._form, ng.Projector(self._outer, True)

@@ -347,6 +347,7 @@ class _Search:
             self._converge(flow, film)
             self._check(flow, film)
             shapes.append(_Shape.of(flow, self.nozzle.outlet, film))
+        flow.release()
         return flow, shapes
 
     def _converge(self, flow: FreeSurfaceFlow, film: float) -> None:
@@ -470,6 +471,8 @@ def solve_bead(
     units = {"section_area": length**2, "inlet_pressure": stress}
     scale = {one.name: units.get(one.name, length) for one in fields(_Shape)}
     area = value["section_area"] * length**2
+    off = abs(value["section_area"] - problem.mass_balance_area / length**2)
+    error["section_area"] = max(error["section_area"], off)  # known exactly
     return BeadSolution(
         problem=problem,
         field=bead_field_of(flow, problem),
