@@ -17,7 +17,7 @@ NOZZLE = Nozzle(D, 0.1 * D, 0.1 * D, D, 0.6 * D, D, 3 * D)
 """Straight, 0.8 diameters long, a gap of one: what the numbers to hold against were found on."""
 
 STANDARD = BeadDeposition(NOZZLE, Newtonian(817.0), inlet_speed=0.095, bed_speed=0.1)
-COARSE = BeadNumerics(lip_edge=0.1, bulk_edge=0.4, rim_edge=0.1, sectors=8, film=0.02)
+COARSE = BeadNumerics(lip_edge=0.1, bulk_edge=0.4, rim_edge=0.1, sectors=12, film=0.02)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def coarse_bead() -> BeadSolution:
 @pytest.mark.slow
 @pytest.mark.verification
 def test_balances(coarse_bead: BeadSolution) -> None:
-    assert coarse_bead.mass_imbalance < 5e-3  # of eight sectors; 2e-4 of twenty-four
+    assert coarse_bead.mass_imbalance < 3e-3  # 5e-3 of eight sectors, 6e-4 of sixteen
     problem, field = coarse_bead.problem, coarse_bead.field
     # nothing flows through the plane of symmetry, nor the nozzle's wall
     on_plane = np.abs(field.points[:, 2]) < 1e-9
@@ -86,24 +86,38 @@ def test_balances(coarse_bead: BeadSolution) -> None:
 @pytest.mark.verification
 def test_numbers_bracket_those_of_finer_meshes(coarse_bead: BeadSolution) -> None:
     """An independent code's, with its own meshes: +- 0.003 of height and width, 0.01 of others."""
-    for name, value, known in (
-        ("bead_height", 0.767, 0.003),
-        ("bead_width", 1.149, 0.003),
-        ("widest", 1.28, 0.01),
-        ("heel", -0.510, 0.005),
-        ("front", 0.03, 0.03),
-        ("section_area", 0.7461 * D, 1e-4 * D),
+    stress = STANDARD.stress_scale
+    for name, unit, value, known in (
+        ("bead_height", D, 0.767, 0.003),
+        ("bead_width", D, 1.149, 0.003),
+        ("widest", D, 1.28, 0.01),
+        ("heel", D, -0.510, 0.005),
+        ("front", D, 0.03, 0.03),
+        ("section_area", D**2, 0.74613, 1e-5),
+        ("inlet_pressure", stress, 29.0, 0.1),
     ):
-        off = abs(getattr(coarse_bead, name) / D - value)
-        assert off < getattr(coarse_bead.error, name) / D + known, name
+        off = abs(getattr(coarse_bead, name) / unit - value)
+        error = getattr(coarse_bead.error, name) / unit
+        assert off < error + known, name
+        assert error < 0.06 * abs(value) or name == "front", name  # an error that says something
 
 
 @pytest.mark.slow
 @pytest.mark.verification
-def test_viscosity_scales_the_pressure_only(coarse_bead: BeadSolution) -> None:
-    thick = solve_bead(replace(STANDARD, melt=Newtonian(8170.0)), COARSE)
-    assert thick.bead_height == pytest.approx(coarse_bead.bead_height, rel=1e-9)
-    assert thick.inlet_pressure == pytest.approx(10 * coarse_bead.inlet_pressure, rel=1e-9)
+def test_the_nozzle_has_the_flow_of_a_pipe(coarse_bead: BeadSolution) -> None:
+    problem, field = coarse_bead.problem, coarse_bead.field
+    top = problem.nozzle.inlet_height
+    on_axis = (np.hypot(field.points[:, 0], field.points[:, 2]) < 1e-9) & (
+        field.points[:, 1] > top - 0.3 * D
+    )
+    y, p = field.points[on_axis, 1], field.pressure[on_axis]
+    slope = np.polyfit(y, p, 1)[0]
+    # the exit is felt as exp(-8.9 y/D), here 1 per cent of it; the mesh is coarse
+    assert slope == pytest.approx(32 * 817.0 * problem.inlet_speed / D**2, rel=3e-2)
+    at_inlet = on_axis & (field.points[:, 1] > top - 1e-9)
+    np.testing.assert_allclose(
+        field.velocity[at_inlet], [[0.0, -2 * problem.inlet_speed, 0.0]], atol=1e-3
+    )
 
 
 @pytest.mark.slow

@@ -108,7 +108,7 @@ class BeadNumerics:
     lip_edge: float = declared(0.06, ge=1e-3, le=0.5)
     bulk_edge: float = declared(0.3, ge=0.05, le=0.5)
     rim_edge: float = declared(0.05, ge=1e-3, le=0.25)
-    sectors: int = declared(24, ge=8, le=96)
+    sectors: int = declared(16, ge=8, le=96)
     edge_growth: float = declared(0.3, ge=0.05, le=1)
     film: float = declared(0.015, ge=1e-3, le=0.05)
     flow_tolerance: float = declared(2e-4, ge=1e-10, le=1e-3)
