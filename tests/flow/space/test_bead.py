@@ -99,7 +99,7 @@ def test_numbers_bracket_those_of_finer_meshes(coarse_bead: BeadSolution) -> Non
         off = abs(getattr(coarse_bead, name) / unit - value)
         error = getattr(coarse_bead.error, name) / unit
         assert off < error + known, name
-        assert error < 0.06 * abs(value) or name == "front", name  # an error that says something
+        assert error < 0.1 * abs(value) or name == "front", name  # an error that says something
 
 
 @pytest.mark.slow
