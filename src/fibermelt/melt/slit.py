@@ -50,6 +50,10 @@ class _Developed:
     def _wall(self) -> float:
         raise NotImplementedError
 
+    def _mean(self, profile: CubicHermiteSpline) -> float:
+        """Return the mean over the section of a profile over ``z``."""
+        raise NotImplementedError
+
     @cached_property
     def wall_rate(self) -> float:
         """Return the rate of deformation at the wall [1/s]; Newtonian: ``6 U/H``, ``8 U/D``.
@@ -94,15 +98,13 @@ class _Developed:
         """Return ``u / U`` over ``z``, with exact slopes, and a mean of exactly 1."""
         z = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, KNOTS)) ** 2
         nodes, weights = np.polynomial.legendre.leggauss(4)
-        half = 0.5 * np.diff(z)[:, None]
-        inner = z[:-1, None] + half * (1 + nodes)
+        inner = z[:-1, None] + 0.5 * np.diff(z)[:, None] * (1 + nodes)
         rates = _rates(self.law, inner * self.wall_stress, self.wall_rate)
         falls = 0.5 * self._wall * np.diff(z) * (rates @ weights)
         u = np.r_[np.cumsum(falls[::-1])[::-1], 0.0] / self.speed
         slope = -self._wall * _rates(self.law, z * self.wall_stress, self.wall_rate)
         spline = CubicHermiteSpline(z, u, slope / self.speed)
-        area = self._power * inner ** (self._power - 1)
-        mean = float(np.sum(half * weights * area * spline(inner)))
+        mean = self._mean(spline)
         return CubicHermiteSpline(z, u / mean, slope / (self.speed * mean))
 
     def velocity(self, x: Array) -> Array:
@@ -142,6 +144,10 @@ class PipeFlow(_Developed):
     def _wall(self) -> float:
         return self.diameter / 2
 
+    def _mean(self, profile: CubicHermiteSpline) -> float:
+        inner = profile.antiderivative()  # 2 int z u dz by parts
+        return float(2 * (inner(1.0) - inner.integrate(0.0, 1.0)))
+
 
 @dataclass(frozen=True)
 class SlitFlow(_Developed):
@@ -170,6 +176,9 @@ class SlitFlow(_Developed):
     @property
     def _wall(self) -> float:
         return self.width / 2
+
+    def _mean(self, profile: CubicHermiteSpline) -> float:
+        return float(profile.integrate(0.0, 1.0))
 
     def position_at_flux(self, fraction: Array) -> Array:
         """Return ``x`` [m] from the middle, left of which a part of the flux flows.
