@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from decimal import ROUND_DOWN, Context
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.levers.steps import COSTS_NOTHING
@@ -27,7 +28,7 @@ MOISTURE = "voids.moisture"
 
 def ratio(case: float, base: float) -> float | None:
     """Return what is left of a severity; None where there is none to begin with, or no answer."""
-    return case / base if base > 0.0 and case == case else None
+    return case / base if base > 0.0 and not isnan(case) else None
 
 
 def proposals(

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, number, percent, sized
@@ -37,7 +36,6 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
         "celsius": f"{found['temperature'] - ZERO_CELSIUS:.0f}",
         "MPA": MPA,
         "nucleation": _nucleation(found, float(results["void_threshold"])),
-        "advice": advice(found),
         "by_basis": _by_basis(found, size),
         "with_singular": _mpa(found["including_singular"]["lowest_pressure"], size),
         "profile": _profile(found) if found["profile"] else None,
