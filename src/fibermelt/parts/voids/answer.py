@@ -43,6 +43,11 @@ ENDLESS = 12.0
 """Growth exponent beyond which the moisture in reach of a tip is used up, whatever its size: the
 radius would grow by more than a hundred thousand."""
 
+MOISTURE = "voids.moisture"
+
+STRONGEST = 3
+"""How many levers the answer names; the page has all of them."""
+
 NO_CHANGE = 0.99
 """What is left of the severity at least where a lever does nothing, within the flow's error."""
 
@@ -161,24 +166,40 @@ def _is_free(voids: Mapping[str, Any]) -> bool:
 
 
 def _helps(voids: Mapping[str, Any]) -> str:
-    """Return the levers that leave least of what fibers add, and those that do nothing."""
+    """Return the levers that change most of what fibers add, and those that do nothing.
+
+    Of a melt that boils, moisture first, and the others as they are once it is dried.
+    """
     if "levers" not in voids:
         return ""
-    levers = [one for one in voids["levers"] if one["fibers_ratio"] is not None]
-    best = [one for one in levers if one["fibers_ratio"] < NO_CHANGE]
-    idle = [one["lever"] for one in levers if abs(1.0 - one["fibers_ratio"]) <= 1.0 - NO_CHANGE]
-    idle = [name for name in dict.fromkeys(idle) if name not in {one["lever"] for one in best}]
-    if not levers:
-        return "Nothing to help: there is no severity that a lever could lower."
-    told = "Nothing that was tried."
-    if best:
-        listed = ", ".join(
-            f"{one['moved']} leaves {_share(one['fibers_ratio'])}" for one in best[:3]
-        )
-        told = f"Of what fibers add, {listed}."
-    if idle:
-        told += f" {_joined(idle)} {'does' if len(idle) == 1 else 'do'} nothing.".capitalize()
-    return told
+    boils = voids["rest"]["boils"]
+    moisture = [one for one in voids["levers"] if one["key"] == MOISTURE]
+    others = [one for one in voids["levers"] if not (boils and one["key"] == MOISTURE)]
+    known = [
+        (left, one)
+        for one in others
+        if (left := one["dry_ratio" if boils else "fibers_ratio"]) is not None
+    ]
+    told = []
+    if boils:
+        told += [
+            f"Drying: {one['moved']} leaves {_share(one['fibers_ratio'])} of what fibers add"
+            for one in moisture
+            if one["fibers_ratio"] is not None
+        ]
+    moving = sorted(
+        (one for one in known if abs(1.0 - one[0]) > 1.0 - NO_CHANGE),
+        key=lambda one: -abs(math.log(one[0])) if one[0] > 0 else -math.inf,
+    )
+    if moving:
+        listed = ", ".join(f"{one['moved']} {_share(left)}" for left, one in moving[:STRONGEST])
+        told.append(f"{'Once dry, of' if boils else 'Of'} what fibers add there is left: {listed}")
+    elif known:
+        told.append(f"{'Once dry, no' if boils else 'No'} lever that was tried changes it")
+    idle = [one["lever"] for left, one in known if abs(1.0 - left) <= 1.0 - NO_CHANGE]
+    if idle and moving:
+        told.append(f"Nothing by {_joined(list(dict.fromkeys(idle)))}")
+    return f"{'. '.join(told)}." if told else "There is no severity that a lever could lower."
 
 
 def _sure(voids: Mapping[str, Any]) -> str:

@@ -83,7 +83,12 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
         "speed_exponent": or_none(results["void_speed_exponent"]),
         "basis": BASIS,
         **regular[BASIS],
-        "severity": {of: or_none(results[f"severity_{of}"]) for of in ("fibers", "melt")},
+        **{
+            f"severity{kind}": {
+                of: or_none(results[f"severity_{of}{kind}"]) for of in ("fibers", "melt")
+            }
+            for kind in ("", "_error")
+        },
         "including_singular": everything[BASIS],
         "by_basis": {label: regular[label] for label in labels},
         "streamlines": _streamlines(results, labels),
