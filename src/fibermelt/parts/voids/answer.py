@@ -112,7 +112,7 @@ def _added(voids: Mapping[str, Any]) -> str:
         f"A growth exponent of {number(fibers, 2)}, on average, beside the melt’s own "
         f"{number(melt, 2)}: {_grown(fibers)}"
     )
-    return f"{told}{_where(voids)}{_against(voids, fibers)}."
+    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_left_out(voids)}"
 
 
 def _grown(exponent: float) -> str:
@@ -144,9 +144,26 @@ def _where(voids: Mapping[str, Any]) -> str:
     )
 
 
+def _left_out(voids: Mapping[str, Any]) -> str:
+    """Return how much of the melt no number of the bead is of."""
+    lines = voids["streamlines"]
+    flagged = sum(bool(line["near_singularity"]) for line in lines)
+    if not flagged:
+        return ""
+    word, past = ("streamlines", " of the nozzle") if voids["profile"] else ("paths", "")
+    return (
+        f" Without the {flagged} of {len(lines)} {word}, {_share(flagged / len(lines))} of the "
+        f"melt, that pass a sharp corner{past} so closely that their stress has no bound."
+    )
+
+
 def _against(voids: Mapping[str, Any], fibers: float) -> str:
     """Return the severity beside that of another run, or of the paper's bead."""
-    other = voids.get("against", {"name": "the paper’s bead", **PAPER})
+    other = voids.get(
+        "against", {"name": "the paper’s bead", **PAPER} if voids["profile"] else None
+    )
+    if other is None:
+        return ""
     if not other["fibers"]:
         return f"; on {other['name']} they add nothing"
     return f"; {number(fibers / other['fibers'], 2)} times what they add on {other['name']}"
