@@ -106,6 +106,8 @@ QUANTITIES = declared(
     Q("lowest", _FIBER, "Pa", "lowest surface pressure less streamline pressure"),
     Q("highest", _FIBER, "Pa", "highest surface pressure less streamline pressure"),
     Q("bound_lowest", _PATH, "Pa", "lowest surface pressure over every orientation"),
+    Q("felt_lowest", _PATH, "Pa",
+      "lowest surface pressure over every orientation, with the most that fibers feel near corners"),
     Q("bound_highest", _PATH, "Pa", "highest surface pressure over every orientation"),
     Q("quantile_lowest", f"{_PATH} quantile", "Pa", "lowest pressure of isotropic fibers"),
     Q("quantile_highest", f"{_PATH} quantile", "Pa", "highest pressure of isotropic fibers"),

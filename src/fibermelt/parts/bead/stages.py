@@ -16,6 +16,7 @@ from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.corner import felt_path
 from fibermelt.fiber.extremes import KINDS, ZONES, extreme_bounds, locations
 from fibermelt.fiber.population import QUANTILE_LEVELS
 from fibermelt.fiber.thinning import ThinningResponse
@@ -217,6 +218,25 @@ def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -
     return np.stack([one[at] for one, at in zip(error, index, strict=True)])
 
 
+def _felt_lowest(
+    parameters: Parameters, lines: xr.Dataset, path: FlowHistory, model: FiberModel
+) -> dict[str, Array]:
+    """Return the bound of the lowest pressure with what fibers feel at most near corners [Pa].
+
+    Nothing of a flow from elsewhere, whose corners nobody has named.
+    """
+    if "corner_distance" not in lines:
+        return {}
+    felt = felt_path(
+        path,
+        lines["corner_distance"].to_numpy(),
+        parameters["fiber.half_length"],
+        law_of(parameters).index_at(path.shear_rate),
+        lines["gradient_error"].to_numpy(),
+    )
+    return {"felt_lowest": model.bounds(felt, viscosity_of(parameters)).lowest}
+
+
 def motion_estimates(parameters: Parameters, motion: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the errors of extremes and of their quantiles, each with its bound.
 
@@ -285,6 +305,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
             "quantile": isotropic.levels,
             "bound_lowest": bounds.lowest,
             "bound_highest": bounds.highest,
+            **_felt_lowest(parameters, lines, path, model),
             "quantile_lowest": isotropic.lowest,
             "quantile_highest": isotropic.highest,
             "extreme_bounds": extreme_bounds(path, bounds, zone_time),
