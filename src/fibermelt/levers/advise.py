@@ -10,7 +10,7 @@ from fibermelt.engine.parameters import declarations
 from fibermelt.engine.results import study_of
 from fibermelt.errors import StoreError
 from fibermelt.levers.cases import Case, compare
-from fibermelt.levers.recommend import proposals, ratio
+from fibermelt.levers.recommend import drying, proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
 from fibermelt.levers.uncertainty import doubts, uncertainty_of
 from fibermelt.study.config import Config
@@ -51,11 +51,13 @@ def advise(
         name; ``"key"``, ``"from"`` and ``"to"``, lists where several keys go together, in SI;
         ``"moved"``, the same in words; ``"fibers_ratio"`` and ``"melt_ratio"``, what is left of
         either severity, None where there is none or no answer, with ``"reason"``;
+        ``"dry_ratio"``, what is left of the fibers' once a melt that boils is dried;
         ``"void_fraction"``; ``"costs"``.
         ``"recommendation"``: ``"settings"``, keys and values in SI, empty where nothing helps;
         ``"written"``, as a study writes them; the ratios and the void fraction that these came to
         when they were run, and ``"verified"``, that they were.
-        ``"uncertainty"``: ``"source"`` and ``"factor"``, the largest first.
+        ``"uncertainty"``: ``"source"``, ``"factor"`` on what fibers add, ``"basis"``, the largest
+        first.
 
     Raises
     ------
@@ -71,33 +73,38 @@ def advise(
     moisture = float(voids["moisture"])
     values = {**resolve(study).values(), "voids.moisture": moisture}
     steps, doubted = steps_of(values), doubts(values, moisture)
-    changes = _different(
-        [
-            *(dict(step.settings) for step in steps),
-            *(change for several in doubted.values() for change in several),
-        ]
-    )
+    dried = drying(voids["rest"])
+    solved: dict[tuple[tuple[str, float], ...], Case] = {}
 
-    def found(*more: Mapping[str, float]) -> tuple[Case, list[Case]]:
-        base, *cases = compare(
-            directory, study, [*changes, *more], workers=workers, observer=observer
-        )
-        return base, cases
+    def solve(*changes: Mapping[str, float]) -> None:
+        """Solve changed studies, those before among them: the folder's sweep is of all."""
+        asked = list(dict.fromkeys([*solved, *(tuple(one.items()) for one in changes)]))
+        several = [dict(one) for one in asked if one]
+        cases = compare(directory, study, several, workers=workers, observer=observer)
+        solved.update(zip([(), *filter(None, asked)], cases, strict=True))
 
-    base, cases = found()
-    by_change = {tuple(change.items()): case for change, case in zip(changes, cases, strict=True)}
+    def case_of(*changes: Mapping[str, float]) -> Case:
+        return solved[tuple({k: v for one in changes for k, v in one.items()}.items())]
 
-    def case_of(change: Mapping[str, float]) -> Case:
-        return by_change[tuple(change.items())]
-
-    weighed = [(step, case_of(step.settings)) for step in steps]
-    recommended, outcome = {}, base
-    for settings in proposals(weighed, base, voids["rest"], moisture):
-        _, (*_, case) = found(settings)
-        if case.fibers < base.fibers or case.melt < base.melt:
-            recommended, outcome = settings, case
+    moved = [step.settings for step in steps]
+    others = [change for several in doubted.values() for change in several]
+    solve(*moved, dried, *(dried | dict(one) for one in moved), *others)
+    base, once_dry = case_of(), case_of(dried)
+    weighed = [(step, case_of(dried, step.settings)) for step in steps]
+    recommended: dict[str, float] = {}
+    for settings in proposals(weighed, once_dry, dried, values):
+        solve(settings)
+        if case_of(settings).fibers < once_dry.fibers or settings == dried:
+            recommended = settings
             break
-    levers = [_lever(step, case, base, values) for step, case in weighed]
+    outcome = case_of(recommended)
+    levers = [
+        {
+            **_lever(step, case_of(step.settings), base, values),
+            "dry_ratio": ratio(case.fibers, once_dry.fibers) if dried else None,
+        }
+        for step, case in weighed
+    ]
     return {
         "levers": sorted(levers, key=_left),
         "recommendation": {
@@ -108,15 +115,11 @@ def advise(
         },
         "uncertainty": uncertainty_of(
             voids,
+            values,
             base,
             {name: [case_of(one) for one in several] for name, several in doubted.items()},
         ),
     }
-
-
-def _different(changes: list[dict[str, float]]) -> list[dict[str, float]]:
-    """Return each change once."""
-    return [dict(one) for one in dict.fromkeys(tuple(change.items()) for change in changes)]
 
 
 def _left(lever: Mapping[str, Any]) -> float:

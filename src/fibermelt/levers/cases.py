@@ -98,7 +98,7 @@ def compare(
     _lend(directory, folder, swept.config)
     run_sweep(read_sweep(swept), swept, folder, CHAIN, workers=workers, observer=observer)
     found = collect_sweep(folder)
-    columns = {told: found[name].to_numpy() for told, name in SEVERITY.items()}
+    columns = {told: found[name].to_numpy() for told, name in SEVERITY.items() if name in found}
     reasons = found["reason"].to_numpy() if "reason" in found else [""] * len(rows)
     solved = [
         Case(**{told: float(column[k]) for told, column in columns.items()}, reason=str(reasons[k]))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     from fibermelt.engine.parameters import Value
@@ -49,6 +49,12 @@ class Step:
     settings: Mapping[str, float]
     costs: str = COSTS_NOTHING
 
+    def mirrored(self, values: Mapping[str, Value]) -> dict[str, float]:
+        """Return as large a step the other way."""
+        return {
+            key: 2.0 * float(cast("float", values[key])) - to for key, to in self.settings.items()
+        }
+
 
 @dataclass(frozen=True)
 class _Lever:
@@ -72,20 +78,21 @@ class _Lever:
             yield Step(self.name, {k: v + difference for k, v in numbers.items()}, self.costs)
 
 
-BOTH_WAYS = (1.0 - SHARE, 1.0 + SHARE)
-
 NOZZLE = (
     _Lever("print speed and flow together", ("flow.inlet_speed", "flow.bed_speed"),
            (1.0 - SHARE,), costs="output"),
-    _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), BOTH_WAYS),
-    _Lever("gap between nozzle and bed", ("flow.gap",), BOTH_WAYS),
-    _Lever("nozzle diameter", ("flow.capillary_width",), BOTH_WAYS),
+    _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), (1.0 + SHARE,)),
+    _Lever("gap between nozzle and bed", ("flow.gap",), (1.0 - SHARE,)),
+    _Lever("nozzle diameter", ("flow.capillary_width",), (1.0 - SHARE,)),
     _Lever("length of the nozzle’s land", ("flow.capillary_length",), (1.0 - SHARE,)),
 )  # fmt: skip
-"""Levers of a flow that is solved here: one from elsewhere has a nozzle of its own."""
+"""Levers of a flow that is solved here: one from elsewhere has a nozzle of its own. Each goes the
+way that lets less pressure fall on the paper's bead."""
+
+TEMPERATURE = "melt.temperature"
 
 MELT = (
-    _Lever("temperature of the melt", ("melt.temperature",), differences=(-KELVIN, KELVIN)),
+    _Lever("temperature of the melt", (TEMPERATURE,), differences=(KELVIN,)),
     _Lever("moisture", ("voids.moisture",), (0.5,)),
     _Lever("fiber length", ("fiber.half_length", "fiber.aspect_ratio"), (SHORTER,),
            costs="material"),
@@ -102,4 +109,17 @@ def steps_of(values: Mapping[str, Value]) -> list[Step]:
         The resolved study, with numbers for what a card may say.
     """
     levers = (*(NOZZLE if values["flow.source"] == "deposition" else ()), *MELT)
-    return [step for lever in levers for step in lever.steps(values)]
+    return [
+        step
+        for lever in levers
+        if lever.keys != (TEMPERATURE,) or _follows_temperature(values)
+        for step in lever.steps(values)
+    ]
+
+
+def _follows_temperature(values: Mapping[str, Value]) -> bool:
+    """Tell whether the melt's viscosity is known at another temperature.
+
+    Vapor pressure alone would tell half of what a temperature does, and the wrong half.
+    """
+    return values["melt.law"] == "cross-wlf" or bool(values["melt.activation_temperature"])

@@ -22,6 +22,17 @@ LENGTH = 1.5
 """Factor of the aspect ratio: fibers in printed beads spread by about this around their mean."""
 
 
+BASIS = {
+    "card": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
+    "aspect ratio": f"computed: {LENGTH:g} times as long fibers, and as short ones",
+}
+
+PLANAR = (4 / 3, "stated: the wall's rate in a round nozzle, 8 U/d, over that in a slot, 6 U/W")
+"""The one thing of a third dimension that is known without solving in it."""
+
+THINNING = (2.0, "stated: PLACEHOLDER")
+
+
 def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[str, float]]]:
     """Return the changed studies whose spread is a doubt, by what is doubted.
 
@@ -41,7 +52,7 @@ def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[st
     }
 
 
-def spread(base: float, others: Sequence[float]) -> float | None:
+def _spread(base: float, others: Sequence[float]) -> float | None:
     """Return the largest factor between a severity and others; None where one of them is nothing.
 
     What vanishes has no factor: it is told as it is.
@@ -51,21 +62,50 @@ def spread(base: float, others: Sequence[float]) -> float | None:
 
 
 def uncertainty_of(
-    voids: Mapping[str, Any], base: Case, computed: Mapping[str, Sequence[Case]]
+    voids: Mapping[str, Any],
+    values: Mapping[str, Any],
+    base: Case,
+    computed: Mapping[str, Sequence[Case]],
 ) -> list[dict[str, Any]]:
-    """Return every source of doubt and its factor, the largest first.
+    """Return every source of doubt, its factor on what fibers add, and where that is from.
+
+    The largest first; a factor of None is that of a severity which one of the two has not.
 
     Parameters
     ----------
     voids : mapping
         What summary.json says of voids.
+    values : mapping
+        The resolved study.
     base : Case
         The run itself.
     computed : mapping
         The cases of `doubts`, by what is doubted.
     """
-    found = [
-        {"source": name, "factor": spread(base.fibers, [case.fibers for case in cases])}
+    found: list[tuple[str, float | None, str]] = [
+        (name, _spread(base.fibers, [case.fibers for case in cases]), BASIS[name])
         for name, cases in computed.items()
     ]
-    return sorted(found, key=lambda one: -(one["factor"] or 1.0))
+    error = voids["severity_error"]["fibers"]
+    if base.fibers > 0.0 and error is not None:
+        found.append(("discretisation", 1.0 + error / base.fibers, "estimated: every second point"))
+    if (shape := _spheroid(voids)) is not None:
+        found.append(("ellipse against spheroid", shape, "computed: in their worst directions"))
+    if values["flow.source"] == "deposition":
+        found.append(("plane against space", *PLANAR))
+    if values["melt.law"] == "newtonian":
+        found.append(("Newtonian against thinning", *THINNING))
+    found.append(("nucleus", 1.0, "none is needed; the void fraction rests on one"))
+    ranked = sorted(found, key=lambda one: -(one[1] or 1.0))
+    return [{"source": name, "factor": factor, "basis": basis} for name, factor, basis in ranked]
+
+
+def _spheroid(voids: Mapping[str, Any]) -> float | None:
+    """Return what spheroids in space add over what ellipses of the plane do, or the inverse."""
+    found = voids["by_basis"]
+    if "spheroid" not in found:
+        return None
+    own, plane, space = (found[name]["growth_exponent"] for name in ("melt", "bounds", "spheroid"))
+    if None in (own, plane, space):
+        return None
+    return _spread(plane - own, [space - own])

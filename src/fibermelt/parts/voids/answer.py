@@ -32,7 +32,7 @@ LABELS = {
 }
 """The questions, and what stands for each at the head of a line on a terminal."""
 
-PAPER = {"fibers": 0.0, "melt": 0.0}
+PAPER = {"fibers": 9.844, "melt": 22.92}
 """Severity of the paper's bead at its 0.17 % moisture, as `fibermelt run paper` finds it."""
 
 SAFETY = 2.0
@@ -42,6 +42,11 @@ called free of voids is so at this much of it."""
 ENDLESS = 12.0
 """Growth exponent beyond which the moisture in reach of a tip is used up, whatever its size: the
 radius would grow by more than a hundred thousand."""
+
+MOISTURE = "voids.moisture"
+
+STRONGEST = 3
+"""How many levers the answer names; the page has all of them."""
 
 NO_CHANGE = 0.99
 """What is left of the severity at least where a lever does nothing, within the flow's error."""
@@ -107,7 +112,7 @@ def _added(voids: Mapping[str, Any]) -> str:
         f"A growth exponent of {number(fibers, 2)}, on average, beside the melt’s own "
         f"{number(melt, 2)}: {_grown(fibers)}"
     )
-    return f"{told}{_where(voids)}{_against(voids, fibers)}."
+    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_left_out(voids)}"
 
 
 def _grown(exponent: float) -> str:
@@ -139,9 +144,26 @@ def _where(voids: Mapping[str, Any]) -> str:
     )
 
 
+def _left_out(voids: Mapping[str, Any]) -> str:
+    """Return how much of the melt no number of the bead is of."""
+    lines = voids["streamlines"]
+    flagged = sum(bool(line["near_singularity"]) for line in lines)
+    if not flagged:
+        return ""
+    word, past = ("streamlines", " of the nozzle") if voids["profile"] else ("paths", "")
+    return (
+        f" Without the {flagged} of {len(lines)} {word}, {_share(flagged / len(lines))} of the "
+        f"melt, that pass a sharp corner{past} so closely that their stress has no bound."
+    )
+
+
 def _against(voids: Mapping[str, Any], fibers: float) -> str:
     """Return the severity beside that of another run, or of the paper's bead."""
-    other = voids.get("against", {"name": "the paper’s bead", **PAPER})
+    other = voids.get(
+        "against", {"name": "the paper’s bead", **PAPER} if voids["profile"] else None
+    )
+    if other is None:
+        return ""
     if not other["fibers"]:
         return f"; on {other['name']} they add nothing"
     return f"; {number(fibers / other['fibers'], 2)} times what they add on {other['name']}"
@@ -161,24 +183,40 @@ def _is_free(voids: Mapping[str, Any]) -> bool:
 
 
 def _helps(voids: Mapping[str, Any]) -> str:
-    """Return the levers that leave least of what fibers add, and those that do nothing."""
+    """Return the levers that change most of what fibers add, and those that do nothing.
+
+    Of a melt that boils, moisture first, and the others as they are once it is dried.
+    """
     if "levers" not in voids:
         return ""
-    levers = [one for one in voids["levers"] if one["fibers_ratio"] is not None]
-    best = [one for one in levers if one["fibers_ratio"] < NO_CHANGE]
-    idle = [one["lever"] for one in levers if abs(1.0 - one["fibers_ratio"]) <= 1.0 - NO_CHANGE]
-    idle = [name for name in dict.fromkeys(idle) if name not in {one["lever"] for one in best}]
-    if not levers:
-        return "Nothing to help: there is no severity that a lever could lower."
-    told = "Nothing that was tried."
-    if best:
-        listed = ", ".join(
-            f"{one['moved']} leaves {_share(one['fibers_ratio'])}" for one in best[:3]
-        )
-        told = f"Of what fibers add, {listed}."
-    if idle:
-        told += f" {_joined(idle)} {'does' if len(idle) == 1 else 'do'} nothing.".capitalize()
-    return told
+    boils = voids["rest"]["boils"]
+    moisture = [one for one in voids["levers"] if one["key"] == MOISTURE]
+    others = [one for one in voids["levers"] if not (boils and one["key"] == MOISTURE)]
+    known = [
+        (left, one)
+        for one in others
+        if (left := one["dry_ratio" if boils else "fibers_ratio"]) is not None
+    ]
+    told = []
+    if boils:
+        told += [
+            f"Drying: {one['moved']} leaves {_share(one['fibers_ratio'])} of what fibers add"
+            for one in moisture
+            if one["fibers_ratio"] is not None
+        ]
+    moving = sorted(
+        (one for one in known if abs(1.0 - one[0]) > 1.0 - NO_CHANGE),
+        key=lambda one: -abs(math.log(one[0])) if one[0] > 0 else -math.inf,
+    )
+    if moving:
+        listed = ", ".join(f"{one['moved']} {_share(left)}" for left, one in moving[:STRONGEST])
+        told.append(f"{'Once dry, of' if boils else 'Of'} what fibers add there is left: {listed}")
+    elif known:
+        told.append(f"{'Once dry, no' if boils else 'No'} lever that was tried changes it")
+    idle = [one["lever"] for left, one in known if abs(1.0 - left) <= 1.0 - NO_CHANGE]
+    if idle and moving:
+        told.append(f"Nothing by {_joined(list(dict.fromkeys(idle)))}")
+    return f"{'. '.join(told)}." if told else "There is no severity that a lever could lower."
 
 
 def _sure(voids: Mapping[str, Any]) -> str:
