@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bead_in_words", "melt_met", "summarize_bead"]
 
-PLACES = {0: "on the way   ", 1: "in the nozzle", 2: "below it      "}
+PLACES = {0: "on the way", 1: "before the capillary", 2: "in the swell"}
 """The locations of extremes, in words."""
 
 ENDS = {
@@ -297,7 +297,7 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
         depth = FIBER["extreme"].with_unit(-worst["lowest"], size=worst["lowest"], digits=3)
         lines.append(
-            f"lowest {place}  {depth} below the melt's own pressure, on "
+            f"lowest {place:<20}  {depth} below the melt's own pressure, on "
             f"{word} {worst['streamline']}"
         )
     return (

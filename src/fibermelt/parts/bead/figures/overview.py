@@ -44,7 +44,7 @@ __all__ = ["figure_overview"]
 CHARTS, SCALE = 64.0, 21.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
 
-PLACES = ("above mid-capillary", "below mid-capillary")
+PLACES = {1: "before the capillary", 2: "in the swell"}
 """Where the paper's Loc. 1 and Loc. 2 lie."""
 
 FIBERS = "#404040"
@@ -61,7 +61,7 @@ def overview_words(results: xr.Dataset) -> Words:
     row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
     width = read_scene(results).width
     where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
-    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
+    extreme = results["extreme"].sel(kind="min", location=[*PLACES]).mean("initial_angle")
     mean = MPA * extreme.transpose("location", "streamline").to_numpy()
     share = 100 * float(results["quantile"][0])
     return Words(
@@ -71,9 +71,9 @@ def overview_words(results: xr.Dataset) -> Words:
             f"no fiber sees less. (b) Near the exit, what {share:.0f} % of the fibers of an "
             "isotropic start fall below: in the capillary fibers lie along the flow, and the worst "
             "orientation is rare. Drawn between the first and the last streamline. (c, d) Lowest "
-            "surface pressure less the melt's own, by streamline, above the middle of the "
-            "capillary and below it; diamonds: the streamline passes near a singular corner, and "
-            "its numbers depend on the mesh."
+            "surface pressure less the melt's own, by streamline, before the capillary "
+            "and from the exit to the end of the swell; diamonds: the streamline passes near a "
+            "singular corner, and its numbers depend on the mesh."
         ),
         alt=(
             "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
@@ -124,10 +124,10 @@ def figure_overview(results: xr.Dataset) -> Figure:
         "lowest pressure on a fiber [MPa], atmosphere = 0",
         extend="both",
     )
-    for k, left in enumerate((14.0, 109.0)):
+    for k, (left, (location, place)) in enumerate(zip((14.0, 109.0), PLACES.items(), strict=True)):
         chart = add_axes(figure, left, 9, 78, CHARTS - 24)
-        draw_spread(chart, results, k, "min")
-        letter(chart, f"{'cd'[k]}  Loc. {k + 1}, {PLACES[k]}")
+        draw_spread(chart, results, location, "min")
+        letter(chart, f"{'cd'[k]}  Loc. {location}, {place}")
         if k == 0:
             chart.set_ylabel("lowest less melt's own [MPa]")
             key_above(chart, spread_key(results), 1.12, columns=6, between=1.1)
