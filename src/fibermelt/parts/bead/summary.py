@@ -66,10 +66,10 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         those that pass a singular corner: ``left_out`` has their numbers, their ``share`` of the
         flux (of the paths where these stand for none), and ``felt_lowest``, by how much the
         pressure on their fibers falls below the melt's at most [Pa] (`fibermelt.fiber.corner`);
-        None where there are none, or nobody knows where the corners are. A fiber in an unbounded melt has no
-        ``domain_size``, no unknowns and no error. Of the melt there are the lowest viscosity and
-        the highest rate of deformation on streamlines that pass no singular corner, and
-        ``outside_law``, the share of it at rates that its law was not measured at: of each
+        None where there are none, or nobody knows where the corners are. A fiber in an unbounded
+        melt has no ``domain_size``, no unknowns and no error. Of the melt there are the lowest
+        viscosity and the highest rate of deformation on streamlines that pass no singular corner,
+        and ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
     told = [name for name, one in FLOW.items() if one.title and name in results]
@@ -400,7 +400,7 @@ def _left_out(left_out: Mapping[str, Any], of: int, word: str) -> list[str]:
         which = ", ".join(map(str, flagged[:MOST_NAMED]))
         which += ", ..." if flagged[MOST_NAMED:] else ""
         one = len(flagged) == 1
-        share = rounded(PERCENT * left_out["share"], 10.0)
+        share = f"{PERCENT * left_out['share']:.3g}"
         lines = [
             f"left out        {word}{'' if one else 's'} {which}, "
             f"{share} % of the {'flux' if word == 'streamline' else 'paths'}: "
@@ -408,7 +408,5 @@ def _left_out(left_out: Mapping[str, Any], of: int, word: str) -> list[str]:
         ]
     if (felt := left_out["felt_lowest"]) is not None:
         depth = FIBER["felt_lowest"].with_unit(-felt, size=felt, digits=3)
-        lines.append(
-            f"                no fiber there comes further below the melt's own than {depth}"
-        )
+        lines.append(f"                no fiber there comes more than {depth} below the melt's own")
     return lines
