@@ -6,6 +6,8 @@ wall at theta = pi, the free surface at theta = 0, lengths in half-lengths of th
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -161,9 +163,7 @@ def test_paths_at_once_are_each_their_own_and_melt_at_rest_feels_nothing() -> No
     found = felt_rate(both, from_corner(both), 1.0)
     for one, alone in zip(found, lines, strict=True):
         assert np.array_equal(one, felt_rate(alone, from_corner(alone), 1.0))
-    still = FlowHistory(
-        both.time[0], both.position[0], both.velocity[0], 0.0 * both.gradient[0], 0.0 * both.time[0]
-    )
+    still = replace(both, gradient=0.0 * both.gradient)
     assert not felt_path(still, from_corner(still), 1.0).gradient.any()
 
 

@@ -212,6 +212,7 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
         "highest": high,
         "bound_lowest": -bound,
         "bound_highest": bound,
+        "felt_lowest": -1.1 * bound,
         "quantile_lowest": -quantiles[..., ::-1],
         "quantile_highest": quantiles,
         "extreme": value,

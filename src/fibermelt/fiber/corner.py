@@ -20,7 +20,7 @@ axis: ``3/((1 - q)(3 - q)) a^-q`` of a spheroid, less of an ellipse. Together, w
     felt <= K max(r - a, c a)^-q
 
 ``K`` differs around a corner, by a factor of two at a lip: it is the largest that the streamline
-has within ``a`` along it. Far off the corner this is the rate itself. Where a wall ends, it lies 6 %
+has within ``a`` along it. Far off the corner this is the rate itself. Where a wall ends it lies 6 %
 to three times above the exact mean within a half-length of the corner, at three 6 to 50 %.
 
 *The exponent.* ``q = 1/(1 + n)`` with the melt's index ``n``: dissipation grows as ``1/r`` where a

@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fibermelt.parts.voids.profile import FELT
 from fibermelt.report.kit.tables import number, short
 from fibermelt.units import MM, MPA, PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
@@ -150,10 +151,14 @@ def _left_out(voids: Mapping[str, Any]) -> str:
     flagged = sum(bool(line["near_singularity"]) for line in lines)
     if not flagged:
         return ""
+    felt = ""
+    if FELT in voids["by_basis"]:
+        lowest = voids["including_singular"]["lowest_pressure"]
+        felt = f"; by what a fiber can feel at most, none comes below {_mpa(lowest)}"
     word, past = ("streamlines", " of the nozzle") if voids["profile"] else ("paths", "")
     return (
         f" Without the {flagged} of {len(lines)} {word}, {_share(flagged / len(lines))} of the "
-        f"melt, that pass a sharp corner{past} so closely that their stress has no bound."
+        f"melt, that pass a sharp corner{past} so closely that the mesh decides{felt}."
     )
 
 
