@@ -132,7 +132,7 @@ def test_in_words_says_where_to_look(tmp_path):
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
     assert "lowest in the nozzle" not in text
-    assert "every streamline passes a singular corner" in text
+    assert "every streamline passes a sharp corner" in text
 
 
 def paper_like(lowest, flagged):
@@ -154,7 +154,7 @@ def paper_like(lowest, flagged):
 def test_streamlines_past_a_singular_corner_do_not_count():
     text = told(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}))
     assert text.count("3.00 MPa below the melt's own pressure, on streamline 3") == 2
-    assert "streamlines 1, 4 pass a singular corner and are left out (2 of 4)" in text
+    assert "streamlines 1, 4 pass a sharp corner and are left out (2 of 4)" in text
 
 
 def test_nothing_is_said_of_corners_that_none_passes():

@@ -270,7 +270,7 @@ def test_either_answer_tells_which_streamlines_it_leaves_out(
     lines = found["streamlines"]
     for place, line in enumerate(lines):
         line["near_singularity"] = place == 0
-    left = f"Left out are the 1 of {len(lines)} streamlines that pass a singular corner"
+    left = f"Left out are the 1 of {len(lines)} streamlines that pass a sharp corner"
     assert left in answer(bead, {**risk, "voids": found})
     lines[0]["near_singularity"] = False
     assert "Left out" not in answer(bead, {**risk, "voids": found})

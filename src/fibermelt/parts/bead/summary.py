@@ -62,7 +62,7 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
         angle to the streamline [rad], seen along z. A fiber in an unbounded melt has no
         ``domain_size``, no unknowns and no error. Of the melt there are the lowest viscosity and
-        the highest rate of deformation on streamlines that pass no singular corner, and
+        the highest rate of deformation on streamlines that pass no sharp corner, and
         ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
@@ -373,11 +373,11 @@ def _left_out(flagged: Sequence[int], of: int, word: str) -> list[str]:
     if not flagged:
         return []
     if len(flagged) == of:
-        return [f"lowest pressure not told: every {word} passes a singular corner"]
+        return [f"lowest pressure not told: every {word} passes a sharp corner"]
     if len(flagged) == 1:
-        return [f"                {word} {flagged[0]} passes a singular corner and is left out"]
+        return [f"                {word} {flagged[0]} passes a sharp corner and is left out"]
     which = ", ".join(map(str, flagged[:MOST_NAMED])) + (", ..." if flagged[MOST_NAMED:] else "")
     return [
-        f"                {word}s {which} pass a singular corner and are left out "
+        f"                {word}s {which} pass a sharp corner and are left out "
         f"({len(flagged)} of {of})"
     ]

@@ -156,7 +156,7 @@ def _risk(found: Mapping[str, Any]) -> str:
     flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])
     left = (
         f" Left out are the {flagged} of {len(found['streamlines'])} streamlines that pass a "
-        "singular corner, where no number can be trusted."
+        "sharp corner, where no number can be trusted."
         if flagged
         else ""
     )
