@@ -50,8 +50,8 @@ def extremes_words(results: xr.Dataset) -> Words:
         caption=(
             f"Fig. 18 of the paper: extremes of the surface pressure less the melt's own, by "
             f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median "
-            "dashed), above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: the "
-            "exact bounds over every direction, from the mildest to the worst. Narrow band: "
+            "dashed), above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: "
+            "the exact bounds over every direction, from the mildest to the worst. Narrow band: "
             f"quantiles of randomly entering fibers.{near}{_beyond(results)}{beside}"
         ),
         alt=(

@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 MEAN, MEDIAN, FIBERS, ISOTROPIC = "#24459c", INK, "#404040", "#9aa8b5"
-"""The paper's blue line is the mean; its red one, the median, is black, as red is a verdict here."""
+"""The paper's blue line is the mean; its red one, the median, is black, as red is a verdict."""
 
 DASHES = (0, (3, 1.5))
 

@@ -16,6 +16,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.patches import Patch, PathPatch
+from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from fibermelt.parts.flow.figures.carpet import Carpet
@@ -37,6 +38,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Against", "colors_said", "held_against", "key_of_unjudged", "vapor_above_air"]
+
+HALF = 0.5
+"""Of what is woven between 1 on streamlines left out and 0 on the others: half of the way."""
 
 
 def vapor_above_air(results: xr.Dataset) -> float | None:
@@ -84,13 +88,16 @@ class Against:
         if left_out.all():
             return
         values = carpet.values(own) - self.zero
-        paint(axes, carpet.triangles, values, self.norm, self.colors)
+        share = carpet.values(np.repeat(left_out[:, None], own.shape[1], axis=1).astype(float))
+        whole = carpet.triangles
+        hidden = (share[whole.triangles] > HALF).all(axis=1)
+        shown = Triangulation(whole.x, whole.y, whole.triangles, mask=hidden)
+        paint(axes, shown, values, self.norm, self.colors)
         look = {"linewidths": 0.7, "zorder": 1.2}
         if values.min() < 0.0 < values.max():
-            axes.tricontour(carpet.triangles, values, levels=[0.0], colors=INK, **look)
+            axes.tricontour(whole, values, levels=[0.0], colors=INK, **look)
         if left_out.any():
-            share = carpet.values(np.repeat(left_out[:, None], own.shape[1], axis=1))
-            area = axes.tricontourf(carpet.triangles, share, levels=[0.5, 1.5])
+            area = axes.tricontourf(whole, share, levels=[HALF, 2.0])
             for path in area.get_paths():
                 axes.add_artist(PathPatch(path, **UNJUDGED, zorder=1.5))
             area.remove()

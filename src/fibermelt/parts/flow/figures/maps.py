@@ -133,7 +133,7 @@ def figure_maps(results: xr.Dataset) -> Figure:
         bar = add_axes(figure, left + 3, FOOT - 4, wide - 6, 2)
         scale = color_bar(field, bar, unit, extend=extend)
         if isinstance(norm, TwoSlopeNorm):
-            scale.set_ticks([scale.vmin, 0.0, scale.vmax])
+            scale.set_ticks([*(float(end) for end in scale.mappable.get_clim()), 0.0])
     return figure
 
 
