@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from drawn_bead import made_up
 from examples_drawn import examples
+from fibermelt.parts.voids.advice import advice
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,7 +19,6 @@ from fibermelt.paper.claims.measures import NotStoredError
 from fibermelt.paper.claims.voids import VOIDS
 from fibermelt.parts.melt.cards import load_card
 from fibermelt.parts.voids import section as risk
-from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.profile import layer_weights
 from fibermelt.parts.voids.stages import assess_bead
@@ -113,6 +113,46 @@ def test_margins_are_linear_in_moisture_and_pressure(pressure, share):
     margin = pressure + ATMOSPHERE - vapor
     # 1e-6 Pa of 1e6: the rounding of sums of pressures.
     assert of(found, "void_margin", "melt") == pytest.approx([margin] * 2, rel=1e-9, abs=1e-6)
+
+
+def test_growth_exponents_are_of_fibers_and_of_the_melt_up_to_zone_3():
+    """At rest and dry but for 1 MPa of tension on one fiber of three; zone 3 is at 2.5 s of 4."""
+    tension = -1e6 - ATMOSPHERE
+    results = bead(lowest=tension, zone_time=[0.5, 1.0, 2.5], viscosity=800.0)
+    voids = summarize_voids(assessed(results, moisture=0.0))["voids"]
+    on_it = 1e6 * 2.5 / (4 * 800.0)
+    for line in voids["streamlines"]:
+        told = line["growth_exponent"]
+        assert told == pytest.approx({"mean": on_it / 3, "median": 0.0, "highest": on_it})
+        assert line["exponent_by_basis"]["bounds"] == pytest.approx(on_it)
+    assert voids["severity"] == pytest.approx({"fibers": on_it / 3, "melt": 0.0})
+    assert voids["by_basis"]["fibers"]["growth_exponent"] == pytest.approx(on_it)
+    without = assessed(results.drop_vars("zone_time"), moisture=0.0)
+    assert float(without["severity_fibers"]) == pytest.approx(on_it / 3 * 4.0 / 2.5)
+
+
+def test_severity_is_what_fibers_add_to_the_melt_without_singular_streamlines():
+    pressure = np.array([[-2e5] * 5, [-4e5] * 5])
+    results = bead(pressure=pressure, lowest=-3e5, near_singularity=[1, 0], viscosity=800.0)
+    results["zone_time"][:, 2] = 4.0
+    found = assessed(results, moisture=0.0)
+    melt, added = (4e5 - ATMOSPHERE) / 800.0, 3e5 / 800.0 / 3
+    voids = summarize_voids(found)["voids"]
+    assert voids["severity"] == pytest.approx({"fibers": added, "melt": melt})
+    bottom, top = voids["profile"]
+    assert bottom["severity"] == {"fibers": None, "melt": None}
+    assert top["severity"] == pytest.approx({"fibers": added, "melt": melt})
+    both = {"fibers": added, "melt": (2e5 - ATMOSPHERE) / 800.0}
+    assert bottom["including_singular"]["severity"] == pytest.approx(both)
+    assert float(found["severity_fibers_error"]) == 0.0
+
+
+def test_the_melt_boils_at_rest_above_the_moisture_whose_vapor_has_the_airs_pressure():
+    boiling = SATURATED * ATMOSPHERE / float(saturation_pressure(503.15))
+    for moisture, boils in ((0.999 * boiling, False), (1.001 * boiling, True)):
+        rest = summarize_voids(assessed(bead(), moisture=moisture))["voids"]["rest"]
+        assert rest["boils"] == boils
+        assert rest["boiling_moisture"] == pytest.approx(boiling, rel=1e-9)
 
 
 def test_critical_moisture_is_where_the_vapor_pressure_meets_the_local_one():
@@ -278,6 +318,7 @@ def test_nothing_but_singular_streamlines_is_said_so():
     found = assessed(bead(near_singularity=[1, 1]))
     summary = summarize_voids(found)
     assert summary["voids"]["lowest_pressure"] is None
+    assert summary["voids"]["severity"] == {"fibers": None, "melt": None}
     assert "every streamline passes a singular corner" in "\n".join(voids_in_words(summary))
     with pytest.raises(NotStoredError, match="no trend to judge"):
         VOIDS["void_profile_of_fibers"](found)
