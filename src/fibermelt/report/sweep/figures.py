@@ -65,9 +65,6 @@ SIDE_BY_SIDE, LEFT_ALONE, ALONE = 3, 17.0, 42.0
 MANY_POINTS = 400
 """Points of a chart that are drawn as lines; more as dots, whose bytes do not grow with them."""
 
-CROSSES = 0.07
-"""Height of the crosses of failed cases, in parts of a chart's."""
-
 LABEL_WIDTH = 20
 """Letters of an axis label on a line."""
 
@@ -158,13 +155,14 @@ def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> 
         places = np.unique(axis.values[without])
         chart.plot(
             places,
-            np.full(len(places), CROSSES),
+            np.zeros(len(places)),
             marker,
             transform=chart.get_xaxis_transform(),
             ms=SIZE,
             mec=INK,
             mew=0.8,
             mfc=face,
+            clip_on=False,
             zorder=4,
         )
     plain_numbers(chart)
