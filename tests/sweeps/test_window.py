@@ -1,4 +1,4 @@
-"""The process window: which sweeps have one, what it advises, and what errors leave of its contours."""
+"""The process window: which sweeps have one, what it advises, what errors leave of contours."""
 
 import numpy as np
 import pytest
@@ -111,7 +111,7 @@ def test_a_single_value_beside_the_two_changes_nothing(tmp_path):
 
 
 def test_what_an_error_does_not_tell_from_zero_is_not_detected(tmp_path):
-    """Nothing at 6 mm/s; 1.78 of fibers at 12 mm/s and 3.5 mm is told by an error of 1, not of 2."""
+    """Nothing at 6 mm/s; 1.78 at 12 mm/s and 3.5 mm is told by an error of 1, not of 2."""
     for error, count in ((1.0, 2), (2.0, 3)):
         table = sweep_table(made_up(tmp_path, SPEEDS_AND_GAPS, severities(error)))
         first = window_of(table).measures[0]

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from fibermelt.report.kit.style import INK, PALE, key_mark, round_up
-from fibermelt.report.kit.tables import number
+from fibermelt.report.kit.tables import number, short
 
 if TYPE_CHECKING:
     from fibermelt.sweeps.responses import Response
@@ -51,5 +51,5 @@ def case_mark(name: str) -> Line2D:
 def told(response: Response, case: int) -> str:
     """Return the number of a case; of one that is not detected, below what."""
     if response.undetected[case]:
-        return f"< {number(round_up(float(response.limit[case])), 2)}"
+        return f"< {short(round_up(float(response.limit[case])))}"
     return number(float(response.values[case]), 3)
