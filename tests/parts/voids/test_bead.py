@@ -50,10 +50,11 @@ def bead(pressure=0.0, lowest=0.0, **overrides):
     made["time"][:] = np.arange(5.0)
     made["pressure"][:] = pressure
     made["gradient"][:] = 0.0
-    for name in ("lowest", "bound_lowest", "quantile_lowest"):
+    for name in ("lowest", "bound_lowest", "felt_lowest", "quantile_lowest"):
         made[name][:] = 0.0
     made["lowest"][:, 1] = lowest
-    made["bound_lowest"][:] = lowest
+    for name in ("bound_lowest", "felt_lowest"):
+        made[name][:] = lowest
     made["near_singularity"][:] = 0
     for name, values in overrides.items():
         made[name][:] = values
