@@ -72,6 +72,7 @@ def test_the_summary(finished):
         "flow",
         "paths",
         "streamlines",
+        "left_out",
         "cell",
         "extremes",
         "orientation",
