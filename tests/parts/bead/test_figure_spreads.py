@@ -276,8 +276,8 @@ def test_corners_are_told_of_where_a_streamline_passes_one(
     results: xr.Dataset, words: Callable[[xr.Dataset], Words]
 ) -> None:
     near = results["near_singularity"]
-    assert "singular corner" in words(results.assign(near_singularity=near * 0 + 1)).caption
-    assert "singular corner" not in words(results.assign(near_singularity=near * 0)).caption
+    assert "sharp corner" in words(results.assign(near_singularity=near * 0 + 1)).caption
+    assert "sharp corner" not in words(results.assign(near_singularity=near * 0)).caption
 
 
 def test_both_ways_across_are_told_to_be_one_fiber_where_they_enter(results: xr.Dataset) -> None:

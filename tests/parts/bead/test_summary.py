@@ -134,7 +134,7 @@ def test_in_words_says_where_to_look(tmp_path):
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
     assert "lowest in the swell" not in text
-    assert "every streamline passes a singular corner" in text
+    assert "every streamline passes a sharp corner" in text
 
 
 def paper_like(lowest, flagged, felt=None):
@@ -161,7 +161,7 @@ def paper_like(lowest, flagged, felt=None):
 def test_streamlines_past_a_singular_corner_do_not_count():
     text = told(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}))
     assert text.count("3.00 MPa below the melt's own pressure, on streamline 3") == 2
-    assert "streamlines 1, 4, 50 % of the flux: they pass a singular corner" in text
+    assert "streamlines 1, 4, 50 % of the flux: they pass a sharp corner" in text
     assert "no fiber there" not in text
 
 
@@ -178,7 +178,7 @@ def test_what_is_left_out_is_told_with_its_share_and_what_is_felt_there():
         "felt_lowest": None,
     }
     text = told(paper_like([9.0, 2.0, 3.0], {1}, felt=-1.5e6))
-    assert "streamline 1, 33.3 % of the flux: it passes a singular corner" in text
+    assert "streamline 1, 33.3 % of the flux: it passes a sharp corner" in text
     assert "no fiber there comes more than 1.50 MPa below the melt's own" in text
 
 

@@ -108,14 +108,14 @@ LEVERS = [
 def test_levers_come_strongest_first_and_idle_ones_are_named() -> None:
     said = told(levers=LEVERS)[HELPS]
     assert said == (
-        "Of what fibers add there is left: moisture 0.1 % to 0.05 % 40 %, nozzle 3 mm to 2.85 mm "
-        "130 %, gap 3 mm to 2.85 mm 90 %. Nothing by land."
+        "Of what fibers add there is left: moisture 0.1 % to 0.05 %, 40 %; nozzle 3 mm to 2.85 "
+        "mm, 130 %; gap 3 mm to 2.85 mm, 90 %. Nothing by land."
     )
     boiling = told(
         levers=LEVERS, vapor_pressure=2e5, rest={"boils": True, "boiling_moisture": 2e-4}
     )[HELPS]
     assert boiling.startswith("Drying: moisture 0.1 % to 0.05 % leaves 40 % of what fibers add. ")
-    assert "Once dry, of what fibers add there is left: nozzle 3 mm to 2.85 mm 80 %" in boiling
+    assert "Once dry, of what fibers add there is left: nozzle 3 mm to 2.85 mm, 80 %" in boiling
     assert HELPS not in told()
 
 

@@ -18,7 +18,7 @@ QUANTITIES = declared(
     Q("peak_pressure", "unbounded_model peak", "1", "highest pressure in shear over mu gamma_dot"),
     Q("peak_at_ratio", "dimension_model ratio", "1", "highest pressure in shear over mu gamma_dot"),
     Q("planar_angle", "planar_angle", "rad", "angle of the fiber at the inlet, in the plane"),
-    Q("feature_streamline", "feature", "1", "number of the streamline, from the left edge"),
+    Q("feature_streamline", "feature", "1", "number of the streamline, from the upstream edge"),
     Q("feature_time", "feature point", "s", "time since the inlet"),
     Q("feature_zone_time", "feature zone", "s", "time at which the zone is reached"),
     Q("feature_bound", f"{_FEATURE} point", "Pa", "lowest pressure over every orientation"),

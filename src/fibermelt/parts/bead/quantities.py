@@ -19,9 +19,9 @@ _EXTREME = "streamline initial_angle location kind"
 
 
 def _lowest_mean(location: int) -> Derive:
-    """Return the function that finds the lowest mean extreme at a location.
+    """Return the function that finds the lowest mean over initial angles at a location.
 
-    Of each streamline that passes no singular corner the lowest surface pressure at the location,
+    Of each streamline that passes no sharp corner the lowest surface pressure at the location,
     mean over the initial angles; of those the lowest.
     """
 
@@ -50,12 +50,12 @@ QUANTITIES = declared(
     Q("quantile", "quantile", "1", "share of isotropically entering fibers that lie below",
       swept="kept"),
     Q("side", "side", "1", "lower and upper bound; has no labels", stored=False, swept="kept"),
-    # What a sweep derives: of streamlines that pass no singular corner, the lowest.
+    # What a sweep derives: of streamlines that pass no sharp corner, the lowest.
     *(Q(f"lowest_mean_{location}", "", "Pa",
         f"lowest pressure on a fiber's surface, over the melt's{where}: the mean over "
         "the initial angles, on the streamline where it is lowest",
-        title=f"Lowest mean extreme{title}", shown_in="MPa", stored=False, response=True,
-        derive=_lowest_mean(location))
+        title=f"Lowest pressure on fibers, mean over initial angles{title}", shown_in="MPa",
+        stored=False, response=True, derive=_lowest_mean(location))
       for location, where, title in (
           (0, "", ""),
           (1, ", before the capillary", ", Loc. 1"),

@@ -63,12 +63,12 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
         angle to the streamline [rad], seen along z. What is told of all streamlines leaves out
-        those that pass a singular corner: ``left_out`` has their numbers, their ``share`` of the
+        those that pass a sharp corner: ``left_out`` has their numbers, their ``share`` of the
         flux (of the paths where these stand for none), and ``felt_lowest``, by how much the
         pressure on their fibers falls below the melt's at most [Pa] (`fibermelt.fiber.corner`);
         None where there are none, or nobody knows where the corners are. A fiber in an unbounded
         melt has no ``domain_size``, no unknowns and no error. Of the melt there are the lowest
-        viscosity and the highest rate of deformation on streamlines that pass no singular corner,
+        viscosity and the highest rate of deformation on streamlines that pass no sharp corner,
         and ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
@@ -395,7 +395,7 @@ def _left_out(left_out: Mapping[str, Any], of: int, word: str) -> list[str]:
     if not flagged:
         return []
     if len(flagged) == of:
-        lines = [f"lowest pressure not told: every {word} passes a singular corner"]
+        lines = [f"lowest pressure not told: every {word} passes a sharp corner"]
     else:
         which = ", ".join(map(str, flagged[:MOST_NAMED]))
         which += ", ..." if flagged[MOST_NAMED:] else ""
@@ -404,7 +404,7 @@ def _left_out(left_out: Mapping[str, Any], of: int, word: str) -> list[str]:
         lines = [
             f"left out        {word}{'' if one else 's'} {which}, "
             f"{share} % of the {'flux' if word == 'streamline' else 'paths'}: "
-            f"{'it passes' if one else 'they pass'} a singular corner"
+            f"{'it passes' if one else 'they pass'} a sharp corner"
         ]
     if (felt := left_out["felt_lowest"]) is not None:
         depth = FIBER["felt_lowest"].with_unit(-felt, size=felt, digits=3)

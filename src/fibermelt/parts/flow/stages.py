@@ -276,7 +276,7 @@ def _law_curve(parameters: Parameters) -> dict[str, Any]:
 def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the errors of streamlines, each with its bound.
 
-    The gradient's is that of the lines which pass no singular corner.
+    The gradient's is that of the lines which pass no sharp corner.
     """
     if "gradient_error" not in lines:
         return ()

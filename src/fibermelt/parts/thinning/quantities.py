@@ -32,7 +32,7 @@ QUANTITIES = declared(
     _of_flow("inlet_pressure_error"),
     _of_flow("contact_point"),
     _of_flow("contact_point_error"),
-    Q("effect_regular", "streamline", "1", "whether it passes no singular corner in any flow"),
+    Q("effect_regular", "streamline", "1", "whether it passes no sharp corner in any flow"),
     Q("effect_lowest", _LINE, "Pa",
       "lowest pressure on a fiber from the exit to the end of the swell, above the surrounding "
       "air's, mean over the initial angles", shown_in="MPa"),

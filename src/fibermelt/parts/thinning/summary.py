@@ -35,7 +35,7 @@ def summarize_thinning(results: xr.Dataset) -> dict[str, Any]:
         stalls), ``stall_angle``, ``peak`` (largest pressure in simple shear over viscosity and
         rate) with its ``peak_error``; and by cause, ``lowest``, the lowest pressure on a fiber
         from the exit to the end of the swell, mean over initial angles and streamlines that pass no
-        singular corner in any flow, ``deepest``, that of the worst of these streamlines, and
+        sharp corner in any flow, ``deepest``, that of the worst of these streamlines, and
         ``bound``, that of any direction on any of them.
     """
     regular = results.isel(streamline=results["effect_regular"].to_numpy() == 1)

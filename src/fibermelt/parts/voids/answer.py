@@ -214,7 +214,7 @@ def _helps(voids: Mapping[str, Any]) -> str:
         key=lambda one: -abs(math.log(one[0])) if one[0] > 0 else -math.inf,
     )
     if moving:
-        listed = ", ".join(f"{one['moved']} {_share(left)}" for left, one in moving[:STRONGEST])
+        listed = "; ".join(f"{one['moved']}, {_share(left)}" for left, one in moving[:STRONGEST])
         told.append(f"{'Once dry, of' if boils else 'Of'} what fibers add there is left: {listed}")
     elif known:
         told.append(f"{'Once dry, no' if boils else 'No'} lever that was tried changes it")

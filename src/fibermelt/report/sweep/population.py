@@ -84,7 +84,7 @@ def _lowest(collected: xr.Dataset, location: int) -> Array:
 
 
 def _regular(collected: xr.Dataset) -> Which:
-    """Return which streamlines pass no singular corner in any case; all if every one does."""
+    """Return which streamlines pass no sharp corner in any case; all if every one does."""
     flagged = collected["near_singularity"].transpose("case", "streamline").to_numpy()
     found = ~(np.nan_to_num(flagged) > 0).any(axis=0)
     return np.asarray(found if found.any() else ~found)
@@ -126,12 +126,12 @@ def figure_population(collected: xr.Dataset) -> Figure:
 
 
 def _bottom(both: list[Array], steady: Which) -> float:
-    """Return the foot of the scale [MPa], which streamlines near a singular corner do not set."""
+    """Return the foot of the scale [MPa], which streamlines near a sharp corner do not set."""
     return (1 + ROOM) * min(float(np.nanmin(bands[:, steady])) for bands in both)
 
 
 def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> None:
-    """Draw one location; diamonds stand for the medians near a singular corner."""
+    """Draw one location; diamonds stand for the medians near a sharp corner."""
     place = collected["streamline"].to_numpy()
     low, middle, high = np.where(steady, bands, np.nan)
     axes.fill_between(place, low, high, color=BLUE, alpha=0.25, linewidth=0)
@@ -141,7 +141,7 @@ def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> No
     axes.set_xlim(place[0] - 0.7, place[-1] + 0.7)
     axes.locator_params(axis="x", integer=True)
     plain_numbers(axes)
-    axes.set_xlabel("streamline, from the left edge")
+    axes.set_xlabel("streamline, from the upstream edge")
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
 
@@ -151,7 +151,7 @@ def _key(table: SweepTable) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=BLUE, linewidth=1.4, label="median"),
         Patch(facecolor=BLUE, alpha=0.25, label="5 to 95 % of the cases"),
-        key_mark("D", "median near a singular corner", BLUE, 3.5, face="white"),
+        key_mark("D", "median near a sharp corner", BLUE, 3.5, face="white"),
     ]
     if table.weighing is not None:
         label = f"median weighed by {table.weighing.title}"

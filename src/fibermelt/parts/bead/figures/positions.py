@@ -79,7 +79,7 @@ def positions_words(results: xr.Dataset) -> Words:
         f"{apart(below)} mm below it.",
     )
     near = at_corners(
-        results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
+        results, "Diamonds, left out of the means: streamlines", ", near a sharp corner."
     )
     return Words(
         caption=(
@@ -197,7 +197,7 @@ def _key() -> list[Line2D]:
     """Return what marks and lines mean."""
     return [
         key_mark("o", "a fiber's extreme", DOT, 6, edge="white"),
-        key_mark("D", "the same, near a singular corner", DOT, 6, edge="white"),
+        key_mark("D", "the same, near a sharp corner", DOT, 6, edge="white"),
         Line2D([], [], color=VERMILION, linewidth=1.1, label="mean over the initial angles"),
         key_mark("x", "where the bound is reached", INK, 3),
     ]

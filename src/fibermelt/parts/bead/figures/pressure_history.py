@@ -36,7 +36,7 @@ from fibermelt.report.kit.drawing import scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Window
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
+    DIVERGING,
     FULL,
     GREY,
     INK,
@@ -284,7 +284,7 @@ def _pressure(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> N
     _in_micrometres(axes, results)
     pressure = MPA * instant.pressure
     levels = round_up(float(np.abs(pressure).max())) * LEVELS
-    field = draw_contours(axes, net(results, instant.angle), pressure, levels, ATMOSPHERE)
+    field = draw_contours(axes, net(results, instant.angle), pressure, levels, DIVERGING)
     scale = color_bar(field, bar, r"$p - p_\psi$ [MPa]", upright=True)
     scale.set_ticks([*levels[::2]])
     _finish(axes, results, instant)
