@@ -34,8 +34,8 @@ Key = tuple[str, ...]
 """A key, in its parts."""
 
 
-def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the tables that ``flow.gap=3.5 mm`` and the like stand for, one of each.
+def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
+    """Return the tables that ``flow.gap=3.5 mm`` and the like stand for, all together.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
     ConfigError
         If one is no key and value, or a key is given twice: both of its values.
     """
-    tables, given = [], dict[Key, object]()
+    tables, given = dict[str, Any](), dict[Key, object]()
     for override in overrides:
         table = _table(override)
         for key, value in _leaves(table):
@@ -61,8 +61,16 @@ def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
                     )
                     raise ConfigError(msg)
             given[key] = value
-        tables.append(table)
+        _lay(table, tables)
     return tables
+
+
+def _lay(table: Mapping[str, Any], onto: dict[str, Any]) -> None:
+    """Put the keys of a table into another that has none of them."""
+    for name, value in table.items():
+        below = onto.setdefault(name, {} if isinstance(value, Mapping) else value)
+        if isinstance(value, Mapping):
+            _lay(value, below)
 
 
 def read_tables(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -203,7 +211,7 @@ def _varying(over: str) -> tuple[str, str, object]:
 
 
 def refuse_without_effect(
-    tables: Sequence[Mapping[str, Any]], sweep: Mapping[str, Any], over: Mapping[str, object]
+    tables: Mapping[str, Any], sweep: Mapping[str, Any], over: Mapping[str, object]
 ) -> None:
     """Refuse to set a parameter that varies: every case sets it to something else.
 
@@ -212,7 +220,7 @@ def refuse_without_effect(
 
     Parameters
     ----------
-    tables : sequence of mapping
+    tables : mapping
         What `read_overrides` made of ``-s``.
     sweep : mapping
         The table ``[sweep]``, with ``--over`` in it.
@@ -227,17 +235,16 @@ def refuse_without_effect(
     if sweep.get("design") == "one-at-a-time":
         return
     varying = {key.strip(): name for name in sweep for key in name.split(",")}
-    for table in tables:
-        for key, value in _leaves(table):
-            name = varying.get(".".join(key))
-            if name is None:
-                continue
-            where = f"--over {legible(name)}" if name in over else "the table [sweep]"
-            msg = (
-                f"-s {_told(key)}={excerpt(value)}: has no effect, as {where} sets it in every "
-                "case: leave one of them away"
-            )
-            raise ConfigError(msg)
+    for key, value in _leaves(tables):
+        name = varying.get(".".join(key))
+        if name is None:
+            continue
+        where = f"--over {legible(name)}" if name in over else "the table [sweep]"
+        msg = (
+            f"-s {_told(key)}={excerpt(value)}: has no effect, as {where} sets it in every "
+            "case: leave one of them away"
+        )
+        raise ConfigError(msg)
 
 
 def _value(text: str, where: str) -> object:

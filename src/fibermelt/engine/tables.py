@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import Field, create_model, model_validator
@@ -12,7 +12,7 @@ from fibermelt.engine.parameters import Section, Value, flatten, setting
 from fibermelt.errors import ConfigError
 
 if TYPE_CHECKING:
-    from fibermelt.engine.parts import Part
+    from fibermelt.engine.parts import Lent, Part
 
 __all__ = ["Asked", "Tables", "tables_of"]
 
@@ -40,6 +40,35 @@ class Tables(Section):
     """The parts that there are, whose tables these are."""
 
     study: Asked = Field(default_factory=Asked)
+
+    @classmethod
+    def lent(cls, tables: Mapping[str, Any]) -> dict[str, Lent]:
+        """Return what parts lend of tables as written, by key, also where these say it."""
+        return {
+            key: one
+            for part in cls.known
+            if part.lend and any(tables.get(name) for name in part.tables)
+            for key, one in named(part.lend)(tables).items()
+        }
+
+    @classmethod
+    def completed(cls, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Return tables as written with what they leave out and parts lend.
+
+        A table that was read before is whole.
+        """
+        whole = dict(tables)
+        for key, one in cls.lent(tables).items():
+            table, _, name = key.partition(".")
+            own = whole.get(table, {})
+            if isinstance(own, Mapping) and own.get(name) is None:
+                whole[table] = {**own, name: one.value}
+        return whole
+
+    @model_validator(mode="before")
+    @classmethod
+    def _completed(cls, data: Any) -> Any:
+        return cls.completed(data) if isinstance(data, Mapping) else data
 
     @property
     def asked(self) -> tuple[Part, ...]:
