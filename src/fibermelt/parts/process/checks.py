@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fibermelt.engine.parameters import flatten
@@ -24,8 +25,8 @@ OF_FLOW = ("flow_rate", "mass_flow", "bead_width")
 """Keys that tell the flow, which is a speed in a nozzle of known diameter only."""
 
 SAME_FLOW = 0.1
-"""Part by which a volume and a mass of the flow, or the flow and the section of the bead, may differ
-and be told as one: densities of a melt are often those of its solid, 8 to 10 % more."""
+"""Part by which a volume and a mass of the flow, or the flow and the bead's section, may differ and
+be one: densities of a melt are often those of its solid, 8 to 10 % more."""
 
 LARGEST_SURPLUS = 2.0
 """Flow over that of the bead, or its inverse, beyond which one of them is a slip."""
@@ -61,8 +62,8 @@ def refuse_process(study: Tables) -> None:
     idle = [name for name in OF_FLOW if name in given and process.nozzle_diameter is None]
     if idle:
         msg = (
-            f"process.nozzle_diameter: missing: process.{idle[0]} is a flow, and gives the speed in "
-            "a nozzle of known diameter; say it, or flow.inlet_speed in place of the flow"
+            f"process.nozzle_diameter: missing: process.{idle[0]} is of a flow, which gives the "
+            "speed in a nozzle of known diameter; say it, or flow.inlet_speed in place of the flow"
         )
         raise ConfigError(msg)
     flow = printed_flow(process, lambda: study.table(Melt).density)
@@ -75,7 +76,7 @@ def refuse_process(study: Tables) -> None:
         raise ConfigError(msg)
     _refuse_two_flows(process, study.table(Melt).density)
     least, most = _surplus(study)
-    if not 1 / LARGEST_SURPLUS <= most or not least <= LARGEST_SURPLUS:
+    if not most >= 1 / LARGEST_SURPLUS or not least <= LARGEST_SURPLUS:
         key = flow.by[0] if flow else ""
         msg = (
             f"process.{key} = {getattr(process, key):g}: is {most:.3g} times the bead's "
@@ -127,9 +128,8 @@ def _surplus(study: Tables) -> tuple[float, float]:
 def process_notes(study: Tables) -> list[str]:
     """Tell what was made of the process, and what the plane cannot keep of it."""
     process, flow = study.table(Process), study.table(Flow)
-    lent = lend({name: getattr(study, name) for name in ("process", "flow", "melt")})
-    values = flatten(study)
-    notes = [*_nozzle(study), *_printed(study)]
+    lent, values = _lent(study), flatten(study)
+    notes = [*_nozzle(study, lent), *_printed(study)]
     if process.layer_height is not None and flow.source == "deposition":
         notes += _layer(flow)
     notes += _content(study, lent)
@@ -142,7 +142,14 @@ def process_notes(study: Tables) -> list[str]:
     return notes
 
 
-def _nozzle(study: Tables) -> list[str]:
+def _lent(study: Tables) -> dict[str, Lent]:
+    """Return what the process gives, of a study as read."""
+    return lend(
+        {"process": study.table(Process), "flow": study.table(Flow), "melt": study.table(Melt)}
+    )
+
+
+def _nozzle(study: Tables, lent: Mapping[str, Lent]) -> list[str]:
     """Tell the slot that stands for the round nozzle, and what it does not keep."""
     process, flow = study.table(Process), study.table(Flow)
     diameter = process.nozzle_diameter
@@ -172,7 +179,7 @@ def _nozzle(study: Tables) -> list[str]:
             "bed_speed": "process.print_speed",
             "inlet_speed": "process.flow_rate, process.mass_flow or process.bead_width",
         }.items()
-        if getattr(flow, name) == getattr(defaults, name) and f"flow.{name}" not in _lent(study)
+        if getattr(flow, name) == getattr(defaults, name) and f"flow.{name}" not in lent
     ]
     if assumed:
         notes.append(
@@ -180,10 +187,6 @@ def _nozzle(study: Tables) -> list[str]:
             "meant?"
         )
     return notes
-
-
-def _lent(study: Tables) -> dict[str, Lent]:
-    return lend({name: getattr(study, name) for name in ("process", "flow", "melt")})
 
 
 def _printed(study: Tables) -> list[str]:
@@ -217,18 +220,18 @@ def _layer(flow: Flow) -> list[str]:
     )
     if ratio > high:
         told += (
-            f"; above {high:g} the melt is pressed up the nozzle, which beside a printed bead it is "
-            "not: print narrower or slower, or raise the layer"
+            f"; above {high:g} the melt is pressed up the nozzle, where in a printed bead it goes "
+            "to the sides: print narrower, or raise the layer"
         )
     if ratio < low:
         told += (
-            f"; below {low:g} the strand is drawn down, and does not fill the layer: print wider, or "
-            "lower the layer"
+            f"; below {low:g} the strand is drawn down, and does not fill the layer: print wider, "
+            "or lower the layer"
         )
     return [told]
 
 
-def _content(study: Tables, lent: dict[str, Lent]) -> list[str]:
+def _content(study: Tables, lent: Mapping[str, Lent]) -> list[str]:
     """Tell the fiber content by volume, and a card of a melt that has another."""
     process, melt = study.table(Process), study.table(Melt)
     weight, found = process.fiber_weight_fraction, lent.get("interaction.volume_fraction")

@@ -69,5 +69,5 @@ class Process(Section):
         "Density of the fibers, for their content by volume.",
         gt=0,
         le=1e5,
-        source="carbon fiber, with which 13 % by weight in the paper's melt are its 8.4 % by volume",
+        source="carbon fiber: 13 % by weight in the paper's melt are then its 8.4 % by volume",
     )
