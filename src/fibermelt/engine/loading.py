@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -19,10 +19,11 @@ from fibermelt.engine.overrides import (
     read_tables,
     read_varying,
     refuse_without_effect,
+    varied,
 )
-from fibermelt.engine.parameters import excerpt
+from fibermelt.engine.parameters import declarations, excerpt
 from fibermelt.engine.syntax import parse_toml, read_toml
-from fibermelt.engine.tables import Tables
+from fibermelt.engine.tables import Tables, filled
 from fibermelt.errors import ConfigError, legible
 
 __all__ = ["Reader", "Study"]
@@ -158,7 +159,7 @@ class Reader:
         if varying:
             sweep = {**(sweep or {}), **varying}
             origin += ", over " + " and ".join(over)
-        refuse_without_effect(overriding, sweep or {}, varying)
+        refuse_without_effect(overriding, sweep or {}, varying, self._lent_by(sweep or {}, tables))
         return Study(
             name=name,
             origin=legible(origin, len(origin)),
@@ -196,10 +197,9 @@ class Reader:
         try:
             return self.kind.model_validate(dict(tables))
         except ValidationError as error:
-            whole = self.kind.completed(tables)
-            follows = {
-                key: one.by for key, one in self.kind.lent(tables).items() if not _has(tables, key)
-            }
+            lent = {k: v for k, v in self.kind.lent(tables).items() if not _has(tables, k)}
+            told = {key: replace(one, value=_rounded(one.value)) for key, one in lent.items()}
+            whole, follows = filled(tables, told), {key: one.by for key, one in lent.items()}
             raise ConfigError(explain(error, whole, self.kind, follows)) from None
 
     def _is_study_file(self, path: Path, study: str) -> bool:
@@ -266,6 +266,18 @@ class Reader:
                 left = _without(left, key)
         return left
 
+    def _lent_by(
+        self, sweep: Mapping[str, Any], tables: Mapping[str, Any]
+    ) -> dict[str, tuple[str, ...]]:
+        """Return the keys that follow from others, those that a sweep varies among them."""
+        whole = dict(tables)
+        examples = {item.key: item.example for item in declarations(self.kind)}
+        for key in varied(sweep):
+            if key in examples:
+                table, _, name = key.partition(".")
+                whole = self._laid(whole, {table: {name: examples[key]}})
+        return {key: one.by for key, one in self.kind.lent(whole).items()}
+
     def _said(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return a file's tables without what they lend to themselves: a resolved copy has both.
 
@@ -308,3 +320,8 @@ def _without(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
     if not isinstance(own, Mapping):
         return dict(tables)
     return {**tables, table: {one: value for one, value in own.items() if one != name}}
+
+
+def _rounded(value: float) -> float:
+    """Return a number that nobody wrote with the digits that a person would."""
+    return float(f"{value:.6g}")

@@ -7,7 +7,7 @@ has no effect.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -22,6 +22,7 @@ __all__ = [
     "read_tables",
     "read_varying",
     "refuse_without_effect",
+    "varied",
 ]
 
 SETTINGS = ("design", "samples", "seed", "weight")
@@ -210,8 +211,16 @@ def _varying(over: str) -> tuple[str, str, object]:
     return key, text, [_value(value.strip(), where) for value in text.split(",")]
 
 
+def varied(sweep: Mapping[str, Any]) -> dict[str, str]:
+    """Return the keys that a table ``[sweep]`` has, each with the name that it has there."""
+    return {key.strip(): name for name in sweep for key in name.split(",")}
+
+
 def refuse_without_effect(
-    tables: Mapping[str, Any], sweep: Mapping[str, Any], over: Mapping[str, object]
+    tables: Mapping[str, Any],
+    sweep: Mapping[str, Any],
+    over: Mapping[str, object],
+    lent: Mapping[str, Collection[str]],
 ) -> None:
     """Refuse to set a parameter that varies: every case sets it to something else.
 
@@ -226,6 +235,8 @@ def refuse_without_effect(
         The table ``[sweep]``, with ``--over`` in it.
     over : mapping
         What `read_varying` made of ``--over``.
+    lent : mapping
+        Keys that follow from others which vary, and all that they follow from.
 
     Raises
     ------
@@ -234,7 +245,14 @@ def refuse_without_effect(
     """
     if sweep.get("design") == "one-at-a-time":
         return
-    varying = {key.strip(): name for name in sweep for key in name.split(",")}
+    varying = varied(sweep)
+    varying |= {
+        key: varying[one]
+        for key, by in lent.items()
+        if key not in varying
+        for one in by
+        if one in varying
+    }
     for key, value in _leaves(tables):
         name = varying.get(".".join(key))
         if name is None:

@@ -14,7 +14,7 @@ from fibermelt.errors import ConfigError
 if TYPE_CHECKING:
     from fibermelt.engine.parts import Lent, Part
 
-__all__ = ["Asked", "Tables", "tables_of"]
+__all__ = ["Asked", "Tables", "filled", "tables_of"]
 
 Table = TypeVar("Table", bound=Section)
 
@@ -51,24 +51,11 @@ class Tables(Section):
             for key, one in named(part.lend)(tables).items()
         }
 
-    @classmethod
-    def completed(cls, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return tables as written with what they leave out and parts lend.
-
-        A table that was read before is whole.
-        """
-        whole = dict(tables)
-        for key, one in cls.lent(tables).items():
-            table, _, name = key.partition(".")
-            own = whole.get(table, {})
-            if isinstance(own, Mapping) and own.get(name) is None:
-                whole[table] = {**own, name: one.value}
-        return whole
-
     @model_validator(mode="before")
     @classmethod
-    def _completed(cls, data: Any) -> Any:
-        return cls.completed(data) if isinstance(data, Mapping) else data
+    def _filled(cls, data: Any) -> Any:
+        """Fill in what parts lend and the study does not say."""
+        return filled(data, cls.lent(data)) if isinstance(data, Mapping) else data
 
     @property
     def asked(self) -> tuple[Part, ...]:
@@ -106,6 +93,20 @@ class Tables(Section):
                 except ConfigError as error:
                     raise ValueError(str(error)) from error
         return self
+
+
+def filled(tables: Mapping[str, Any], lent: Mapping[str, Lent]) -> dict[str, Any]:
+    """Return tables as written with what is lent to those of their keys that they leave out.
+
+    A table that was read before is whole.
+    """
+    whole = dict(tables)
+    for key, one in lent.items():
+        table, _, name = key.partition(".")
+        own = whole.get(table, {})
+        if isinstance(own, Mapping) and own.get(name) is None:
+            whole[table] = {**own, name: one.value}
+    return whole
 
 
 def tables_of(parts: Sequence[Part]) -> type[Tables]:
