@@ -19,8 +19,9 @@ __all__ = ["OF_DEPOSITION", "flow_notes", "refuse_sources"]
 OF_DEPOSITION = "of the deposition flow"
 """Trait of parts about the paper's bead, its nozzle and its mesh."""
 
-HIGHEST_GAP = 2.7
-"""Gap over the height of the bead above which the surface passes under the paper's bed."""
+HIGHEST_GAP = 1.6
+"""Gap over the height of the bead above which the surface may pass under the bed: so it does of a
+bead a third as high as the capillary is wide; of one as high as it above 2.7."""
 
 
 def refuse_sources(study: Tables) -> None:
@@ -87,7 +88,8 @@ def flow_notes(study: Tables) -> list[str]:
         (f"below {LOWEST_GAP:g} the melt climbs the nozzle", "raise flow.gap or flow.bed_speed")
         if ratio < LOWEST_GAP
         else (
-            f"above {HIGHEST_GAP:g} the bed draws the melt so fast that it is not laid",
+            f"above {HIGHEST_GAP:g} for a bead a third as high as the capillary is wide, and above "
+            "2.7 for one as high as it, the surface passes under the bed",
             "lower flow.gap or flow.bed_speed",
         )
     )
