@@ -9,6 +9,7 @@ from __future__ import annotations
 from fibermelt.voids.constants import ATMOSPHERE
 from fibermelt.voids.criteria import MechanicalCriterion, ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius, FreeVolume
+from fibermelt.voids.exposure import GrowthExponent, growth_exponent
 from fibermelt.voids.margin import Assessment, Onset, assess, assess_onset
 from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.nucleation import (
@@ -34,6 +35,7 @@ __all__ = [
     "Assessment",
     "ClassicalNucleation",
     "FreeVolume",
+    "GrowthExponent",
     "Henry",
     "Isotherm",
     "LinearTension",
@@ -48,6 +50,7 @@ __all__ = [
     "critical_moisture",
     "critical_radius",
     "girifalco_good",
+    "growth_exponent",
     "molecules_per_volume",
     "saturation_pressure",
     "tension_at_density",

@@ -19,9 +19,15 @@ from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
 from fibermelt.parts.voids.melt import moist_melt
-from fibermelt.parts.voids.profile import bead_totals, layer_profile
+from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
-from fibermelt.voids import ATMOSPHERE, assess, critical_radius, saturation_pressure
+from fibermelt.voids import (
+    ATMOSPHERE,
+    assess,
+    critical_radius,
+    growth_exponent,
+    saturation_pressure,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,7 +91,8 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     vapor = float(laws.vapor_pressure(melt.moisture, temperature))
     time = lines["time"].to_numpy()[:, None, :]
     found = assess(time, gauge, vapor)
-    fibers = assess(time, _on_fibers(lines, motion), vapor)
+    on_fibers = _on_fibers(lines, motion)
+    fibers = assess(time, on_fibers, vapor)
     limit = _none(laws.critical_moisture(found.lowest_pressure, temperature))
     arrays: dict[str, Any] = {
         **_melt_variables(melt, vapor),
@@ -103,6 +110,8 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_moisture_limit": limit,
         "void_fiber_lowest": fibers.lowest_pressure,
         "void_fiber_time_below": fibers.time_below,
+        **_exponents(lines, gauge, "void_exponent", vapor),
+        **_exponents(lines, on_fibers, "void_fiber_exponent", vapor),
     }
     regular = lines["near_singularity"].to_numpy() == 0
     if not is_given(lines):  # others have no bed, and no layers over it
@@ -126,6 +135,7 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
         **{f"isotropic {100 * shares[k]:g} %": quantiles[k] for k in order},
         "fibers": motion["lowest"].min("initial_angle").to_numpy(),
         "bounds": motion["bound_lowest"].to_numpy(),
+        **({FELT: motion["felt_lowest"].to_numpy()} if "felt_lowest" in motion else {}),
         **_spheroids(inputs, viscosity),
     }
     return list(below), own[:, None, :] + np.stack(list(below.values()), axis=1)
@@ -186,6 +196,18 @@ def _on_fibers(lines: xr.Dataset, motion: xr.Dataset) -> Array:
     return on_fibers
 
 
+def _exponents(lines: xr.Dataset, gauge: Array, name: str, vapor: float) -> dict[str, Array]:
+    """Return growth exponents and their errors (streamline, ...) of pressures [Pa, gauge].
+
+    From the inlet to zone 3, where the melt has the speed of the bed; on paths without zones to
+    their end.
+    """
+    settled = lines["zone_time"].to_numpy()[:, -1:] if "zone_time" in lines else np.inf
+    time, viscosity = (lines[one].to_numpy()[:, None, :] for one in ("time", "viscosity"))
+    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, settled)
+    return {name: found.value, f"{name}_error": found.error}
+
+
 def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
     """Return what the melt is."""
     laws, temperature = melt.card.melt, melt.temperature
@@ -199,6 +221,7 @@ def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
         "void_moisture": melt.moisture,
         "void_temperature": temperature,
         "void_saturation_moisture": float(laws.saturation_content(temperature)),
+        "void_boiling_moisture": _none(laws.critical_moisture(ATMOSPHERE, temperature)),
         "void_vapor_pressure": vapor,
         "void_saturation_pressure": float(saturation_pressure(temperature)),
         "void_threshold": melt.log10_threshold,
