@@ -114,13 +114,15 @@ def test_content_by_weight_is_the_papers_by_volume() -> None:
     assert round(found, 3) == 0.084
 
 
-def test_what_flow_says_itself_wins_and_the_rest_follows_from_it() -> None:
-    lent, said = resolve(process()).flow, resolve({**process(), "flow": {"capillary_width": 5e-3}})
-    assert said.flow.capillary_width == 5e-3
-    assert said.flow.inlet_width == pytest.approx(20e-3)
-    # the mean speed in the capillary stays the nozzle's
-    assert said.flow.inlet_speed == pytest.approx(lent.inlet_speed)
-    assert any("flow.capillary_width = 0.005 is said, and wins" in note for note in said.notes())
+def test_what_flow_says_itself_wins_and_the_flow_is_the_same() -> None:
+    lent = resolve(process()).flow
+    for name, value in {"capillary_width": 5e-3, "inlet_width": 20e-3, "gap": 4e-3}.items():
+        study = resolve({**process(), "flow": {name: value}})
+        assert getattr(study.flow, name) == value
+        assert study.flow.bead_height == pytest.approx(lent.bead_height, rel=1e-14)
+        assert any(f"flow.{name} = {value:g} m is said, and wins" in one for one in study.notes())
+    # All else is as it is without, but for the speed in another inlet.
+    assert study.flow == lent.model_copy(update={"gap": 4e-3})
     assert "is said" not in notes(**process())
 
 
@@ -155,7 +157,7 @@ LAID = [
     ["process.layer_height=4 mm"],
     ["process.print_speed=80 mm/s"],
     ["flow.gap=4 mm"],
-    ["flow.capillary_width=5 mm"],
+    ["flow.inlet_width=20 mm"],
     ["melt.density=1100 kg/m^3"],
     ["process.mass_flow=14 kg/h"],
     ["process.fiber_weight_fraction=10 %"],

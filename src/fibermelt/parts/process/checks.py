@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fibermelt.engine.parameters import flatten
+from fibermelt.engine.parameters import declarations, flatten
 from fibermelt.errors import ConfigError
 from fibermelt.parts.flow.config import Flow
 from fibermelt.parts.melt.config import Melt
@@ -133,9 +133,10 @@ def process_notes(study: Tables) -> list[str]:
     if process.layer_height is not None and flow.source == "deposition":
         notes += _layer(flow)
     notes += _content(study, lent)
+    units = {item.key: item.unit for item in declarations(type(study))}
     notes += [
-        f"{key} = {values[key]:.4g} is said, and wins over the {one.value:.4g} that "
-        f"{' and '.join(one.by)} would give"
+        f"{key} = {values[key]:.4g} {units[key]}".rstrip() + f" is said, and wins over the "
+        f"{one.value:.4g} that {' and '.join(one.by)} would give"
         for key, one in lent.items()
         if values[key] != one.value
     ]
@@ -164,7 +165,7 @@ def _nozzle(study: Tables, lent: Mapping[str, Lent]) -> list[str]:
     melt = study.table(Melt)
     if not melt.missing:
         law = melt_of(melt).law
-        speed = flow.inlet_speed * flow.inlet_width / flow.capillary_width
+        speed = flow.inlet_speed * flow.inlet_width / (SLOT * diameter)
         ratio = 1.0 if law.is_newtonian else wall_rate_ratio(law, diameter, speed)
         if ratio > SLOWEST_THINNING:
             notes.append(

@@ -109,8 +109,8 @@ def lend(tables: Mapping[str, Any]) -> dict[str, Lent]:
     """Return what ``[process]`` gives of ``[flow]`` and ``[interaction]``, by key.
 
     The mean speed in the slot is that in the nozzle, so that the bead in the plane is as high as
-    mass balance makes it there, ``U W / V``. Where ``[flow]`` says the capillary's or the inlet's
-    width itself, the rest follows from that.
+    mass balance makes it there, ``U W / V``. Where ``[flow]`` says the inlet's width itself, its
+    speed follows from that: the flow is the same.
 
     Parameters
     ----------
@@ -120,11 +120,9 @@ def lend(tables: Mapping[str, Any]) -> dict[str, Lent]:
     process = _read(Process, tables.get("process"))
     if process is None:
         return {}
-    flow = tables.get("flow", {})
-    melt = tables.get("melt", {})
 
     def density() -> float | None:
-        known = _read(Melt, melt)
+        known = _read(Melt, tables.get("melt", {}))
         return None if known is None else known.density
 
     lent: dict[str, Lent] = {}
@@ -135,14 +133,13 @@ def lend(tables: Mapping[str, Any]) -> dict[str, Lent]:
     if process.nozzle_diameter is not None:
         slot = SLOT * process.nozzle_diameter
         give("flow.capillary_width", slot, "nozzle_diameter")
-        width = _said(flow, "capillary_width") or slot
         for name in PROPORTIONS:
-            length = getattr(PAPER, name) / PAPER.capillary_width * width
+            length = getattr(PAPER, name) / PAPER.capillary_width * slot
             give(f"flow.{name}", length, "nozzle_diameter")
-        inlet = _said(flow, "inlet_width") or lent["flow.inlet_width"].value
+        inlet = _inlet(tables.get("flow")) or lent["flow.inlet_width"].value
         if (flux := printed_flow(process, density)) is not None:
             mean = flux.mean_speed(process.nozzle_diameter)
-            give("flow.inlet_speed", mean * width / inlet, *flux.by, "nozzle_diameter")
+            give("flow.inlet_speed", mean * slot / inlet, *flux.by, "nozzle_diameter")
     if process.layer_height is not None:
         give("flow.gap", process.layer_height, "layer_height")
     if process.print_speed is not None:
@@ -164,12 +161,12 @@ def _read(kind: Any, table: Any) -> Any:
         return None
 
 
-def _said(flow: Any, name: str) -> float | None:
-    """Return a length that ``[flow]`` says itself, if it is one."""
-    value = getattr(flow, name) if isinstance(flow, Flow) else None
-    if isinstance(flow, Mapping):
-        try:
-            value = parse(flow[name], "m") if flow.get(name) is not None else None
-        except ConfigError:
-            return None
-    return value if value and value > 0 else None
+def _inlet(flow: Any) -> float | None:
+    """Return the width of the inlet [m] that ``[flow]`` says itself, if it is one."""
+    if isinstance(flow, Flow):
+        return flow.inlet_width
+    try:
+        width = parse(flow["inlet_width"], "m")
+    except (ConfigError, KeyError, TypeError):
+        return None
+    return width if width > 0 else None
