@@ -15,8 +15,10 @@ from fibermelt.units import parse
 SHIPPED = [
     "abs",
     "abs-cf13-thinning",
+    "abs-cf20",
     "abs-power-law",
     "made-up-carreau",
+    "pa6-cf20",
     "pa66-gf30",
     "paper",
     "pei",
@@ -24,7 +26,7 @@ SHIPPED = [
     "pla-cf14",
     "ps",
 ]
-MOIST = ["abs-cf13-thinning", "paper", "pei", "pla", "pla-cf14"]
+MOIST = ["abs-cf13-thinning", "abs-cf20", "pa6-cf20", "paper", "pei", "pla", "pla-cf14"]
 """Those that say how they hold moisture."""
 
 WHOLE = """
