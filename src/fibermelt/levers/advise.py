@@ -132,16 +132,18 @@ def _lever(step: Step, case: Case, base: Case, values: Mapping[str, Any]) -> dic
     starts = [float(values[key]) for key in step.settings]
     ends = list(step.settings.values())
     several = len(ends) > 1
-    shown = " and ".join(
-        f"{_written(key, start)} to {_written(key, end)}"
-        for key, start, end in zip(step.settings, starts, ends, strict=True)
+    # Keys that go together all go by one factor.
+    by = (
+        f"{100.0 * (ends[0] / starts[0] - 1.0):+.3g} %".replace("-", "−")
+        if several
+        else " to ".join(_written(key, one[0]) for key in step.settings for one in (starts, ends))
     )
     return {
         "lever": step.lever,
         "key": ", ".join(step.settings),
         "from": starts if several else starts[0],
         "to": ends if several else ends[0],
-        "moved": f"{step.lever} {shown}",
+        "moved": f"{step.lever} {by}",
         **_ratios(case, base),
         "costs": step.costs,
         "reason": case.reason,

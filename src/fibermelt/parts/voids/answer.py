@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fibermelt.parts.voids.profile import FELT
 from fibermelt.report.kit.tables import number, short
 from fibermelt.units import MM, MPA, PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
@@ -112,7 +113,7 @@ def _added(voids: Mapping[str, Any]) -> str:
         f"A growth exponent of {number(fibers, 2)}, on average, beside the melt’s own "
         f"{number(melt, 2)}: {_grown(fibers)}"
     )
-    return f"{told}{_where(voids)}{_against(voids, fibers)}."
+    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_left_out(voids)}"
 
 
 def _grown(exponent: float) -> str:
@@ -144,9 +145,30 @@ def _where(voids: Mapping[str, Any]) -> str:
     )
 
 
+def _left_out(voids: Mapping[str, Any]) -> str:
+    """Return how much of the melt no number of the bead is of."""
+    lines = voids["streamlines"]
+    flagged = sum(bool(line["near_singularity"]) for line in lines)
+    if not flagged:
+        return ""
+    felt = ""
+    if FELT in voids["by_basis"]:
+        lowest = voids["including_singular"]["lowest_pressure"]
+        felt = f"; by what a fiber can feel at most, none comes below {_mpa(lowest)}"
+    word, past = ("streamlines", " of the nozzle") if voids["profile"] else ("paths", "")
+    return (
+        f" Without the {flagged} of {len(lines)} {word}, {_share(flagged / len(lines))} of the "
+        f"melt, that pass a sharp corner{past} so closely that the mesh decides{felt}."
+    )
+
+
 def _against(voids: Mapping[str, Any], fibers: float) -> str:
     """Return the severity beside that of another run, or of the paper's bead."""
-    other = voids.get("against", {"name": "the paper’s bead", **PAPER})
+    other = voids.get(
+        "against", {"name": "the paper’s bead", **PAPER} if voids["profile"] else None
+    )
+    if other is None:
+        return ""
     if not other["fibers"]:
         return f"; on {other['name']} they add nothing"
     return f"; {number(fibers / other['fibers'], 2)} times what they add on {other['name']}"
@@ -192,7 +214,7 @@ def _helps(voids: Mapping[str, Any]) -> str:
         key=lambda one: -abs(math.log(one[0])) if one[0] > 0 else -math.inf,
     )
     if moving:
-        listed = ", ".join(f"{one['moved']} {_share(left)}" for left, one in moving[:STRONGEST])
+        listed = "; ".join(f"{one['moved']}, {_share(left)}" for left, one in moving[:STRONGEST])
         told.append(f"{'Once dry, of' if boils else 'Of'} what fibers add there is left: {listed}")
     elif known:
         told.append(f"{'Once dry, no' if boils else 'No'} lever that was tried changes it")

@@ -38,9 +38,10 @@ QUANTITIES = declared(
     Q("void_basis", "void_basis", "1",
       "whose lowest pressure: the melt's own; that which a share [%] of isotropically entering "
       "fibers stays below at a point; fibers: the worst of the initial angles; bounds: any "
-      "direction; spheroid: an unbounded spheroid of the same aspect ratio in any direction, in "
-      "a melt that thins in any of the flow's plane; oriented tips: at the tips of such "
-      "spheroids, mean over their orientation tensor", swept="kept"),
+      "direction; felt: the same, with the most that is felt near sharp corners; spheroid: an "
+      "unbounded spheroid of the same aspect ratio in any direction, in a melt that thins in any "
+      "of the flow's plane; oriented tips: at the tips of such spheroids, mean over their "
+      "orientation tensor", swept="kept"),
     Q("void_selection", "void_selection", "1",
       "regular: without the streamlines that pass close by a sharp corner; all", swept="kept"),
     Q("void_layer", "void_layer", "m", "middle of the layer above the bed in the finished bead",

@@ -23,6 +23,7 @@ WHOSE = {
     "melt": "the melt itself, without fibers",
     "fibers": "worst of the initial angles",
     "bounds": "any direction of a fiber",
+    "felt": "the same, with the most that is felt near sharp corners",
     "spheroid": "any direction of an unbounded spheroid",
     "oriented tips": "tips of spheroids, mean over their orientation",
 }

@@ -10,6 +10,7 @@ import numpy as np
 
 from fibermelt.engine.quantities import or_none
 from fibermelt.parts.voids.answer import LABELS, answered
+from fibermelt.parts.voids.profile import FELT
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.units import PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
@@ -54,7 +55,8 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         The numbers on top hold for a fiber in its worst direction and without the streamlines that
-        pass close by a singular corner; ``including_singular`` with them. ``by_basis`` has the
+        pass close by a singular corner; ``including_singular`` with them, by the most that fibers
+        feel there (basis "felt") where the corners are known. ``by_basis`` has the
         same numbers of other pressures (see ``void_basis``), ``profile`` goes from the bed to the
         free surface; a flow that was not solved here has neither, and its paths no heights. None
         stands for what there is none of: a critical radius or a rate where no
@@ -89,7 +91,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
             }
             for kind in ("", "_error")
         },
-        "including_singular": everything[BASIS],
+        "including_singular": everything.get(FELT, everything[BASIS]),
         "by_basis": {label: regular[label] for label in labels},
         "streamlines": _streamlines(results, labels),
         "profile": _profile(results, labels) if OF_A_BEAD in results else [],

@@ -63,7 +63,9 @@ def has_population(collected: xr.Dataset, table: SweepTable) -> bool:
     """
     if not table.is_sampled or not {"extreme_mean", "near_singularity"} <= {*collected}:
         return False
-    if not {*NEEDED} <= {*collected["extreme_mean"].dims} or collected.sizes["location"] < 2:
+    if not {*NEEDED} <= {*collected["extreme_mean"].dims}:
+        return False
+    if not {1, 2} <= {*collected["location"].to_numpy().tolist()}:
         return False
     with_answer = np.isfinite(_lowest(collected, 1)).any(axis=1)
     return bool(np.count_nonzero(with_answer) > 1)
@@ -186,9 +188,9 @@ def population_words(collected: xr.Dataset) -> Words:
         caption=(
             "Lowest surface pressure less the melt's own by streamline, the mean over the initial "
             f"angles of a fiber, over {over}{cases} cases that differ in {names}: median "
-            "and the band in which nine of ten cases lie, on each streamline for itself, above the "
-            "middle of the capillary (Loc. 1) and below it (Loc. 2). Every case counts once. "
-            f"{QUANTILE_RULE}{weighed}{flagged}{'.' if flagged else ''}"
+            "and the band in which nine of ten cases lie, on each streamline for itself, before "
+            "the capillary (Loc. 1) and from the exit to the end of the swell (Loc. 2). Every case "
+            f"counts once. {QUANTILE_RULE}{weighed}{flagged}{'.' if flagged else ''}"
         ),
         alt="Two charts by streamline. "
         + " ".join(

@@ -46,7 +46,7 @@ __all__ = ["figure_overview"]
 CHARTS, SCALE = 64.0, 25.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
 
-PLACES = ("above mid-capillary", "below mid-capillary")
+PLACES = {1: "before the capillary", 2: "in the swell"}
 """Where the paper's Loc. 1 and Loc. 2 lie."""
 
 WHAT = "lowest pressure on a fiber"
@@ -65,7 +65,7 @@ def overview_words(results: xr.Dataset) -> Words:
     row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
     width = read_scene(results).width
     where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
-    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
+    extreme = results["extreme"].sel(kind="min", location=[*PLACES]).mean("initial_angle")
     mean = MPA * extreme.transpose("location", "streamline").to_numpy()
     share = 100 * float(results["quantile"][0])
     return Words(
@@ -77,7 +77,7 @@ def overview_words(results: xr.Dataset) -> Words:
             "capillary fibers lie along the flow, and the worst direction is rare. Hatched: melt "
             "beyond the first and the last streamline, and around those that pass near a sharp "
             "corner, whose numbers depend on the mesh. (c, d) Lowest surface pressure less the "
-            "melt's own, by streamline, above the middle of the capillary and below it; diamonds: "
+            "melt's own, by streamline, before the capillary and in the swell; diamonds: "
             "streamlines near a sharp corner."
         ),
         alt=(
@@ -135,10 +135,10 @@ def figure_overview(results: xr.Dataset) -> Figure:
     bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
     against.bar(bar)
     key_of_unjudged(bar, results)
-    for k, left in enumerate((14.0, 109.0)):
+    for k, (left, (location, place)) in enumerate(zip((14.0, 109.0), PLACES.items(), strict=True)):
         chart = add_axes(figure, left, 9, 78, CHARTS - 24)
-        draw_spread(chart, results, k, "min")
-        letter(chart, f"{'cd'[k]}  Loc. {k + 1}, {PLACES[k]}")
+        draw_spread(chart, results, location, "min")
+        letter(chart, f"{'cd'[k]}  Loc. {location}, {place}")
         if k == 0:
             chart.set_ylabel("lowest less melt's own [MPa]")
             key_above(chart, spread_key(results), 1.12, columns=6, between=1.1)

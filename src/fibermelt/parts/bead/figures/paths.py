@@ -59,8 +59,8 @@ SHARP = 0.8
 
 PLACES = {
     0: "on the way",
-    1: "above the middle of the capillary (Loc. 1)",
-    2: "below it (Loc. 2)",
+    1: "before the capillary (Loc. 1)",
+    2: "from the exit to the end of the swell (Loc. 2)",
 }
 """The locations of extremes, in words."""
 
@@ -270,18 +270,18 @@ def path_extremes_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text."""
     steady = regular(results)
     value = MPA * results["extreme"].mean("initial_angle").transpose("streamline", ...)
-    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    places = results["location"].to_numpy().tolist()
     told = []
-    for row, place in enumerate(places):
+    for place in places:
         low, high = (
-            value.isel(location=row).sel(kind=kind).to_numpy()[steady] for kind in ("min", "max")
+            value.sel(location=place, kind=kind).to_numpy()[steady] for kind in ("min", "max")
         )
         told.append(
-            f"{place} the lowest from {ranged(low.min(), low.max())} MPa, the highest from "
+            f"{PLACES[place]} the lowest from {ranged(low.min(), low.max())} MPa, the highest from "
             f"{ranged(high.min(), high.max())} MPa"
         )
     error = MPA * float(results["extreme_error"].to_numpy()[steady].max())
-    where = "over the whole way" if len(places) == 1 else f"{places[0]} and {places[1]}"
+    where = ", ".join(PLACES[place] for place in places)
     return Words(
         caption=(
             f"Extremes of the surface pressure less the melt's own {where}, by path, for "
@@ -291,7 +291,7 @@ def path_extremes_words(results: xr.Dataset) -> Words:
             f"leave {short(error, 2)} MPa at most."
         ),
         alt=(
-            f"{('Two', 'Four')[len(places) - 1]} charts by path of extreme pressures on fibers "
+            f"{2 * len(places)} charts by path of extreme pressures on fibers "
             "less the melt's own: on the mean over the initial angles "
             f"{'; '.join(told)}."
         ),
@@ -308,13 +308,13 @@ def path_extremes_words(results: xr.Dataset) -> Words:
 )
 def figure_path_extremes(results: xr.Dataset) -> Figure:
     """Draw lowest and highest surface pressure less the melt's own by path, at each location."""
-    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    places = results["location"].to_numpy().tolist()
     figure = new_figure(FULL, 12 + 56 * len(places))
     for row, place in enumerate(places):
         for k, kind in enumerate(("min", "max")):
             axes = add_axes(figure, 15 + 95 * k, 10 + 56 * (len(places) - 1 - row), 78, 43)
-            draw_spread(axes, results, row, kind)
-            letter(axes, f"{'abcd'[2 * row + k]}  {('lowest', 'highest')[k]} {place}")
+            draw_spread(axes, results, place, kind)
+            letter(axes, f"{'abcdef'[2 * row + k]}  {('lowest', 'highest')[k]} {PLACES[place]}")
             if k == 0:
                 axes.set_ylabel("less the melt's own [MPa]")
                 if row == 0:

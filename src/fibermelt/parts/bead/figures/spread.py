@@ -52,13 +52,13 @@ def extreme_of(results: xr.Dataset, name: str, location: int, kind: str, last: s
     name : str
         The variable.
     location : int
-        Place of the location: 0 is Loc. 1.
+        Its number: 0 the whole way, 1 the paper's Loc. 1, 2 its Loc. 2.
     kind : str
         ``min`` or ``max``.
     last : str
         Its remaining dimension: ``initial_angle``, ``side`` or ``quantile``.
     """
-    chosen = results[name].isel(location=location).sel(kind=kind)
+    chosen = results[name].sel(location=location, kind=kind)
     values: Array = chosen.transpose("streamline", last).to_numpy()
     return values
 
@@ -87,7 +87,7 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
 
 
 def spread_limits(results: xr.Dataset, kind: str) -> tuple[float, float]:
-    """Return a scale from zero to beyond the bounds at both locations [MPa].
+    """Return a scale from zero to beyond the bounds at all locations [MPa].
 
     Streamlines near a sharp corner do not set it: their values have no limit as the mesh is
     refined.
