@@ -132,4 +132,4 @@ def test_melt_beyond_the_streamlines_is_not_white_like_harmless(bead: xr.Dataset
     assert min(one.get_zorder() for one in melt) < 1.0
     keys = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
     words = [text.get_text() for key in keys for text in key.get_texts()]
-    assert "not judged: near sharp corners, and beyond the outermost streamlines" in words
+    assert "left out: near sharp corners, and beyond the outermost streamlines" in words
