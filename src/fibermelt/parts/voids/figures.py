@@ -81,7 +81,7 @@ def voids_words(results: xr.Dataset) -> Words:
             f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
             f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest pressure on a fiber "
             "less vapor pressure, in the colours of the first picture: red where a bubble can "
-            "grow, a line where the two are equal; hatched, what no verdict is given on. "
+            "grow, a line where the two are equal; hatched, what is left out. "
             "(c) Lowest pressure that each streamline meets, mean by flux over layers of "
             f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
             f"layer{out}. Pressures are absolute."
