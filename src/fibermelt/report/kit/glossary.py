@@ -86,7 +86,8 @@ TERMS = (
         "sharp corner",
         "The entrance of the capillary, the nozzle’s lips, and the line where the melt meets the "
         "bed: the computed stress there has no bound (a singular corner). Streamlines that pass "
-        "close by are left out of what is judged, and hatched in pictures.",
+        "close by are left out of what is judged, and hatched in pictures; how low the pressure "
+        "is with the most that a fiber can feel there is told beside.",
     ),
     Term(
         "zones 1 to 3",
