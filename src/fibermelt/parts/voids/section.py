@@ -167,7 +167,7 @@ def _profile(found: Mapping[str, Any]) -> Table:
         Column("Any direction, lowest", "MPa"),
         Column("Time below vapor", "ms"),
         Column("Critical moisture", "%"),
-        Column("Any direction, mean, with singular ones", "MPa"),
+        Column("Any direction, mean, with those past sharp corners", "MPa"),
         Column("Growth exponent of the melt"),
         Column("what fibers add"),
     )
