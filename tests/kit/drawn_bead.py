@@ -94,7 +94,9 @@ def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
     """Return a bead with what its voids part finds."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt(load_card("paper"), moisture=0.0004, temperature=503.15)
-    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith("void_")])
+    bare = bead.drop_vars(
+        [name for name in bead.variables if str(name).startswith(("void_", "severity_"))]
+    )
     return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
 
 

@@ -15,14 +15,19 @@ WARM = 2e-3
 """By how much a ratio of severities may be off, of a flow from a neighbour and one from cold: their
 meshes differ, and of the coarse study pressures by up to 1e-3 with them."""
 
-DRY = ("-s", 'study.parts=["voids"]', "-s", "voids.moisture=0.009 %")
+DRY = {"study.parts": '["voids"]', "voids.moisture": "0.009 %"}
+
+
+def sets(**settings: object) -> list[str]:
+    """Return the options that set a dry run, and what differs."""
+    return [part for key, value in {**DRY, **settings}.items() for part in ("-s", f"{key}={value}")]
 
 
 @pytest.fixture(scope="module")
 def asked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any], dict[str, Any]]:
     """A dry run, its summary, and what `fibermelt voids` says of it."""
     folder = tmp_path_factory.mktemp("levers")
-    done = fibermelt("run", COARSE, *DRY, "--json", "--out", "out", folder=folder)
+    done = fibermelt("run", COARSE, *sets(), "--json", "--out", "out", folder=folder)
     assert done.returncode == 0, done.stderr
     answer = fibermelt("voids", "out", "--json", folder=folder)
     assert answer.returncode == 0, answer.stderr
@@ -31,8 +36,7 @@ def asked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
 
 def severity(folder: Path, settings: dict[str, float], out: str) -> float:
     """Return what fibers add in a run from cold with other settings."""
-    sets = [part for key, value in settings.items() for part in ("-s", f"{key}={value!r}")]
-    done = fibermelt("run", COARSE, *DRY, *sets, "--json", "--out", out, folder=folder)
+    done = fibermelt("run", COARSE, *sets(**settings), "--json", "--out", out, folder=folder)
     assert done.returncode == 0, done.stderr
     return float(json.loads(done.stdout)["voids"]["severity"]["fibers"])
 
@@ -106,6 +110,6 @@ def test_the_folder_shows_it_and_has_it_at_hand(asked) -> None:
     again = fibermelt("voids", "out", "--json", folder=folder)
     assert json.loads(again.stdout) == after
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()} == shown
-    same = fibermelt("run", COARSE, *DRY, "--json", "--out", "out", folder=folder)
+    same = fibermelt("run", COARSE, *sets(), "--json", "--out", "out", folder=folder)
     assert "nothing has changed" in same.stderr
     assert json.loads(same.stdout)["voids"] == after

@@ -72,6 +72,7 @@ def test_the_summary(finished):
         "flow",
         "paths",
         "streamlines",
+        "left_out",
         "cell",
         "extremes",
         "orientation",
@@ -148,6 +149,9 @@ def test_results_are_labelled(finished):
         assert np.array_equal(results["angle"][:, :, 0], np.tile(results["initial_angle"], (4, 1)))
         trace = results["gradient"][..., 0, 0] + results["gradient"][..., 1, 1]
         assert float(np.abs(trace).max()) < 1e-8 * float(np.abs(results["gradient"]).max())
+        felt, bound = (results[f"{name}_lowest"].to_numpy() for name in ("felt", "bound"))
+        near = results["corner_distance"].to_numpy() < 84e-6
+        assert np.all(felt[~near] <= bound[~near])  # within a fiber's length it has a limit
         assert results.attrs["schema"] == 1
         assert {"ngsolve", "h5py", "matplotlib"} <= set(json.loads(results.attrs["software"]))
 

@@ -191,7 +191,7 @@ def test_nothing_is_said_of_corners_that_none_passes():
 def test_many_flagged_streamlines_fit_on_a_line():
     text = told(paper_like([1.0] * 500, set(range(2, 500))))
     assert "streamlines 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, ..., 99.6 % of the flux" in text
-    assert "it passes a singular corner" in told(paper_like([1.0, 1.0], {2}))
+    assert "it passes a sharp corner" in told(paper_like([1.0, 1.0], {2}))
 
 
 def test_the_results_folder_is_told_on_one_line():

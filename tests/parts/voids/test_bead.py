@@ -50,10 +50,10 @@ def bead(pressure=0.0, lowest=0.0, **overrides):
     made["time"][:] = np.arange(5.0)
     made["pressure"][:] = pressure
     made["gradient"][:] = 0.0
-    for name in ("lowest", "bound_lowest", "quantile_lowest"):
+    for name in ("lowest", "bound_lowest", "felt_lowest", "quantile_lowest"):
         made[name][:] = 0.0
     made["lowest"][:, 1] = lowest
-    made["bound_lowest"][:] = lowest
+    made["bound_lowest"][:] = made["felt_lowest"][:] = lowest
     made["near_singularity"][:] = 0
     for name, values in overrides.items():
         made[name][:] = values
@@ -337,3 +337,16 @@ def test_a_temperature_that_was_meant_in_celsius_is_told_how_to_be_written(
     with pytest.raises(ConfigError, match=r"^melt\.temperature = .*: must be from ") as raised:
         asked_melt(material, moisture=1e-4, temperature=temperature)
     assert (f'write "{temperature:g} degC"' in str(raised.value)) == hint
+
+
+def test_what_is_left_out_is_judged_by_what_is_felt():
+    """Streamlines at singular corners count by the bound where corners are known, else as found."""
+    results = bead(near_singularity=[1, 0], lowest=-1e6)
+    results["felt_lowest"][0] = -3e6
+    voids = summarize_voids(assessed(results))["voids"]
+    assert voids["lowest_pressure"] == pytest.approx(ATMOSPHERE - 1e6)
+    assert voids["by_basis"]["felt"]["lowest_pressure"] == pytest.approx(ATMOSPHERE - 1e6)
+    assert voids["including_singular"]["lowest_pressure"] == pytest.approx(ATMOSPHERE - 3e6)
+    without = summarize_voids(assessed(results.drop_vars("felt_lowest")))["voids"]
+    assert "felt" not in without["by_basis"]
+    assert without["including_singular"]["lowest_pressure"] == pytest.approx(ATMOSPHERE - 1e6)

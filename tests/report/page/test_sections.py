@@ -28,7 +28,7 @@ from fibermelt.parts.orientation.section import orientation
 from fibermelt.parts.orientation.summary import summarize_orientation
 from fibermelt.parts.verification.section import verification
 from fibermelt.parts.voids.answer import LABELS
-from fibermelt.parts.voids.figures import figure_voids
+from fibermelt.parts.voids.figures.where import figure_voids
 from fibermelt.parts.voids.section import voids
 from fibermelt.parts.voids.summary import summarize_voids, voids_in_words
 from fibermelt.report.kit.tables import fixed, number, percent, short, sized
@@ -105,7 +105,7 @@ def test_two_dimensions_stand_against_three() -> None:
         number(peak["spheroid_over_ellipse"]) for peak in found["peaks"]
     ]
     along = rows(html, "Lowest surface pressure along streamlines")
-    assert [row[:2] for row in along] == [[k, at] for k in ("4", "10", "18") for at in ("1", "2")]
+    assert [row[:2] for row in along] == [[k, at] for k in ("4", "10", "18") for at in "012"]
     by = {(row["streamline"], row["location"], row["model"]): row for row in found["streamlines"]}
     for row in along:
         spheroid = by[int(row[0]), int(row[1]), "spheroid"]
@@ -201,8 +201,8 @@ def test_where_it_can_void_is_told_as_it_is_stored(bead: xr.Dataset, risk: dict[
 
 def test_numbers_of_a_flow_from_elsewhere_name_no_capillary(bead: xr.Dataset) -> None:
     summary = stored_summary(bead)
-    assert "Loc. 1 lies above the middle of the capillary" in numbers.words(bead, summary)
-    whole = [{**one, "location": 0} for one in summary["extremes"] if one["location"] == 1]
+    assert "Loc. 1 lies before the capillary, Loc. 2 between" in numbers.words(bead, summary)
+    whole = [one for one in summary["extremes"] if one["location"] == 0]
     html = numbers.words(bead, {**summary, "flow": {}, "extremes": whole})
     assert "capillary" not in html
     assert "The flow" not in html

@@ -38,7 +38,7 @@ QUANTITIES = declared(
     Q("void_basis", "void_basis", "1",
       "whose lowest pressure: the melt's own; that which a share [%] of isotropically entering "
       "fibers stays below at a point; fibers: the worst of the initial angles; bounds: any "
-      "direction; felt: the same, with the most that is felt near singular corners; spheroid: an "
+      "direction; felt: the same, with the most that is felt near sharp corners; spheroid: an "
       "unbounded spheroid of the same aspect ratio in any direction, in a melt that thins in any "
       "of the flow's plane; oriented tips: at the tips of such spheroids, mean over their "
       "orientation tensor", swept="kept"),
@@ -135,6 +135,13 @@ QUANTITIES = declared(
     Q("void_bead_fiber_exponent", "void_selection", "1",
       "growth exponent on each fiber, mean by flux and over the initial angles; NaN if all are "
       "left out"),
+    # Speeds and moistures that go together; of melts whose stresses follow a power of the speed.
+    Q("void_limit_wider", "void_limit_wider", "1",
+      "how many times as wide a nucleus on a fiber becomes, on average"),
+    Q("void_limit_speed", "void_limit_speed", "1", "factor on all speeds of the flow"),
+    Q("void_limit_moisture", "void_limit_wider void_limit_speed", "1",
+      "moisture at which it becomes so wide, up to zone 3; NaN where no moisture that the polymer "
+      "can hold suffices, 0 under tension"),
     Q("severity_melt", "", "1",
       "growth exponent of the melt's own pressure, mean by flux over the streamlines but singular "
       "ones", title="Severity, melt alone", response=True),

@@ -132,7 +132,7 @@ def _moisture(value: float | None) -> str:
 
 def _whose(basis: str) -> str:
     share = basis.removeprefix("isotropic ")
-    return WHOSE.get(basis, f"{share} of fibers from an isotropic start see less")
+    return WHOSE.get(basis, f"{share} of randomly entering fibers see less")
 
 
 def _by_basis(found: Mapping[str, Any], size: float) -> Table:
@@ -224,7 +224,7 @@ def _lines(found: Mapping[str, Any]) -> Table:
         )
         for line in lines
     ]
-    caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
+    caption = f"Each {word}, any direction of a fiber; * passes close to a sharp corner"
     return Table(caption, columns, rows)
 
 

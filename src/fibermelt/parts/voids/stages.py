@@ -18,6 +18,7 @@ from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
+from fibermelt.parts.voids.limits import joint_limits
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
@@ -114,6 +115,14 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         **_exponents(lines, on_fibers, "void_fiber_exponent", vapor),
     }
     regular = lines["near_singularity"].to_numpy() == 0
+    arrays |= joint_limits(
+        lines["time"].to_numpy()[regular],
+        on_fibers[regular],
+        lines["viscosity"].to_numpy()[regular],
+        _settled(lines)[regular],
+        melt,
+        arrays["void_speed_exponent"],
+    )
     if not is_given(lines):  # others have no bed, and no layers over it
         arrays["void_height"] = lines["y"].to_numpy()[:, -1]
         arrays |= layer_profile(arrays, regular, layers)
@@ -202,10 +211,16 @@ def _exponents(lines: xr.Dataset, gauge: Array, name: str, vapor: float) -> dict
     From the inlet to zone 3, where the melt has the speed of the bed; on paths without zones to
     their end.
     """
-    settled = lines["zone_time"].to_numpy()[:, -1:] if "zone_time" in lines else np.inf
     time, viscosity = (lines[one].to_numpy()[:, None, :] for one in ("time", "viscosity"))
-    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, settled)
+    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, _settled(lines)[:, None])
     return {name: found.value, f"{name}_error": found.error}
+
+
+def _settled(lines: xr.Dataset) -> Array:
+    """Return when the melt of each streamline has the speed of the bed [s], or the path ends."""
+    if "zone_time" in lines:
+        return np.asarray(lines["zone_time"].to_numpy()[:, -1])
+    return np.asarray(lines["time"].to_numpy()[:, -1])
 
 
 def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:

@@ -86,7 +86,8 @@ TERMS = (
         "sharp corner",
         "The entrance of the capillary, the nozzle’s lips, and the line where the melt meets the "
         "bed: the computed stress there has no bound (a singular corner). Streamlines that pass "
-        "close by are left out of what is judged, and hatched in pictures.",
+        "close by are hatched in pictures and left out of means, and judged by the most that a "
+        "fiber can feel there, which has a bound.",
     ),
     Term(
         "zones 1 to 3",
@@ -95,8 +96,8 @@ TERMS = (
     ),
     Term(
         "Loc. 1, Loc. 2",
-        "Where the paper reads the pressure on a fiber: as it goes into the capillary, and as the "
-        "melt turns below the nozzle.",
+        "Where the paper reads the pressure on a fiber: on its way to the entrance of the "
+        "capillary, and from the nozzle’s exit to the end of the swell.",
     ),
     Term(
         "initial angle",

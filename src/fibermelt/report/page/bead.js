@@ -104,7 +104,7 @@
       });
     });
     const points = line().x.map((x, i) => [x, line().y[i]]);
-    // Near a sharp corner nothing is judged: neither red nor the full line of what is harmless.
+    // Near a sharp corner numbers depend on the mesh: neither red nor the full line of what is harmless.
     const judged = VAPOR !== null && !line().near;
     draw(points, { stroke: "var(--ink)", "stroke-width": 2.6, "data-line": line().number, ...(line().near ? { "stroke-dasharray": "2 4" } : {}) });
     for (let i = 1; judged && i < points.length; i += 1) {

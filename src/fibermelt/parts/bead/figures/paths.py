@@ -90,7 +90,7 @@ def paths_words(results: xr.Dataset) -> Words:
         f"{name} = {number(MM * float(results[name].to_numpy()[row, at]), 3)} mm" for name in names
     )
     count = results.sizes["streamline"]
-    left = at_corners(results, "Dotted, not judged: paths", ", near a sharp corner.")
+    left = at_corners(results, "Dotted, left out: paths", ", near a sharp corner.")
     sides = (
         " from its side, from above and along the flow; (d) where they end"
         if "z" in results

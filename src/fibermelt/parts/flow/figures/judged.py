@@ -141,9 +141,8 @@ def held_against(results: xr.Dataset, own: Array, what: str) -> Against:
 
 
 def key_of_unjudged(axes: Axes, results: xr.Dataset) -> None:
-    """Write over a colour bar what hatched melt is: not judged, or without moisture not shown."""
-    verdict = "shown" if vapor_above_air(results) is None else "judged"
+    """Write over a colour bar what hatched melt is."""
     near = bool(results["near_singularity"].to_numpy().any())
     corners = "near sharp corners, and " if near else ""
-    patch = Patch(**UNJUDGED, label=f"not {verdict}: {corners}beyond the outermost streamlines")
+    patch = Patch(**UNJUDGED, label=f"left out: {corners}beyond the outermost streamlines")
     key_above(axes, [patch], 1.5, columns=1, between=1.0)
