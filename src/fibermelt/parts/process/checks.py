@@ -51,9 +51,10 @@ def refuse_process(study: Tables) -> None:
         The key, the value, the bound and the way out.
     """
     process = study.table(Process)
-    given = _given(process)
-    source = study.table(Flow).source
-    if given and source != "deposition":
+    source, given = study.table(Flow).source, _given(process)
+    if not given:
+        return
+    if source != "deposition":
         msg = (
             f'process.{given[0]}: is not read with flow.source = "{source}", a flow that is there '
             "already: leave it away"
@@ -79,7 +80,7 @@ def refuse_process(study: Tables) -> None:
     if not most >= 1 / LARGEST_SURPLUS or not least <= LARGEST_SURPLUS:
         key = flow.by[0] if flow else ""
         msg = (
-            f"process.{key} = {getattr(process, key):g}: is {most:.3g} times the bead's "
+            f"process.{key} = {getattr(process, key):g}: is {least:.3g} times the bead's "
             "process.layer_height x process.bead_width x process.print_speed: must be from "
             f"{1 / LARGEST_SURPLUS:g} to {LARGEST_SURPLUS:g}; correct one of these"
         )
@@ -128,6 +129,8 @@ def _surplus(study: Tables) -> tuple[float, float]:
 def process_notes(study: Tables) -> list[str]:
     """Tell what was made of the process, and what the plane cannot keep of it."""
     process, flow = study.table(Process), study.table(Flow)
+    if process == Process():
+        return []
     lent, values = _lent(study), flatten(study)
     notes = [*_nozzle(study, lent), *_printed(study)]
     if process.layer_height is not None and flow.source == "deposition":
