@@ -12,9 +12,9 @@ with water vapor of the mass ``m`` in it and dissolved water around it:
 - Vapor, an ideal gas in balance with the melt at its surface: ``p_b V = m R_g T/M``, ``c = k p_b``.
 - Diffusion. ``y = (r^3 - R^3)/3`` goes with the melt: ``c_t = D (r^4 c_y)_y``, no flux at ``S``.
   A ladder of shells, whose volumes and whose distances grow by one factor ``q`` from shell to
-  shell: volumes reach to ``sqrt(q)`` times where concentrations stand, which takes the impedance of
-  a half-space within ``exp(-pi^2/ln q)`` (Ingerman, Druskin and Knizhnerman 2000). Resistances are
-  those of steady flux between spheres.
+  shell: volumes reach to ``sqrt(q)`` times where concentrations stand, as in the grids that are
+  best for the flux into a half-space (Ingerman, Druskin and Knizhnerman 2000). Resistances are
+  those of steady flux between spheres. Second order in ``ln q``.
 
 What a shell gives the next one gets, so that water is conserved to rounding. Where a bubble is
 large against its layer it grows as ``R = 2 beta sqrt(D t)``, ``beta = sqrt(3/pi) Ja``,
@@ -54,20 +54,20 @@ STRETCH = 2.0 * math.sqrt(3.0)
 """Rate of deformation at a bubble's surface over ``R'/R``: ``sqrt(2 D:D)``, ``D`` of
 ``diag(-2, 1, 1) R'/R``."""
 
-SHELLS = 16
+SHELLS = 12
 """Shells of melt around a bubble; what they are off by is in docs/verification.md."""
 
-FIRST = 0.02
+FIRST = 0.1
 """Volume of the first shell over that of the nucleus, about: a layer of 0.02/3 of its radius."""
 
-STEPS = 24
+STEPS = 12
 """Steps between two stations, on the coarsest mesh in time."""
 
-HALVINGS = 5
+HALVINGS = 6
 """How often they are halved at most: to 768."""
 
-TOLERANCE = 0.1
-"""How far ``ln R`` may differ from that by half the steps: extrapolated, it is off by less."""
+TOLERANCE = 0.03
+"""Largest error of ``ln R`` at stations, as the last halving tells it: a third or less is left."""
 
 RESTING = 1e-12
 """Rate [1/s] below which a melt is at rest: laws take the logarithm of theirs."""
@@ -89,12 +89,18 @@ it tears."""
 BLOCK = 2048
 """Nuclei that are followed at once: what they need stays in a core's cache."""
 
+GRADED = 3.0
+"""Power of the variable of integration: of a law that turns level, the more even the higher."""
+
 NODES, WEIGHTS = 0.5 * np.array(np.polynomial.legendre.leggauss(8))
 NODES += 0.5
 """Gauss and Legendre's rule on 0 to 1."""
 
-SETTLED = 1e-9
-"""Largest last change of ``ln R`` in Newton's steps, which double the digits: it is exact then."""
+SETTLED = 1e-6
+"""Largest last change of Newton's steps, relative: they double the digits, 1e-12 is left."""
+
+STILL = 1e-13
+"""A step's growth of ``ln R`` below which it is none."""
 
 MOST_STEPS = 60
 """Newton's steps at most; three or four are usual."""
@@ -156,7 +162,7 @@ class Growth:
     dissolved : (..., k) array
         Mass of the water in its cell of melt [kg].
     error : (..., k) array
-        Estimated error of ``ln R``, by what half of the steps say otherwise.
+        Estimated error of ``ln R``, by what half of the steps have otherwise.
     """
 
     time: Array
@@ -189,9 +195,9 @@ def viscous_resistance(
 
     Notes
     -----
-    ``T = 4 (R'/R)/n integral of eta x^(1-n) over u = x^n``, by Gauss and Legendre's rule with eight
-    points, ``n`` the index at the bubble's surface: of a power law at rest the integrand is
-    constant, and of any law smooth where it turns level. The derivative is in closed form.
+    By Gauss and Legendre's rule with eight points in ``v``, ``x = v^(3/n)``, ``n`` the index at
+    the bubble's surface: of a power law at rest the integrand is ``v^2``, which is exact; of laws
+    that turn level it is within 0.3 %. The derivative is in closed form.
     """
     e, x_S, gamma = np.broadcast_arrays(
         *(
@@ -207,14 +213,15 @@ def viscous_resistance(
 
     at_surface = total(np.ones_like(x_S))
     n = 1.0 + (law.index_at(at_surface) - 1.0) * (g / at_surface) ** 2
-    lowest = x_S**n
+    lowest = x_S ** (n / GRADED)
     mean = np.zeros_like(g)
     for node, weight in zip(NODES, WEIGHTS, strict=True):
-        x = (lowest + (1.0 - lowest) * node) ** (1.0 / n)
-        mean += weight * law.viscosity_at(total(x)) * x ** (1.0 - n)
-    outermost = x_S * law.viscosity_at(total(x_S))
-    slope = 4.0 * (law.viscosity_at(at_surface) - outermost)
-    return 4.0 * e * mean * (1.0 - lowest) / n, slope
+        v = lowest + (1.0 - lowest) * node
+        x = v ** (GRADED / n)
+        mean += weight * law.viscosity_at(total(x)) * x / v
+    mean *= (1.0 - lowest) * GRADED / n
+    slope = 4.0 * (law.viscosity_at(at_surface) - x_S * law.viscosity_at(total(x_S)))
+    return 4.0 * e * mean, slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +263,7 @@ class Tip:
         """Return which part of the tip's pressure over the melt's a bubble feels, 1 to 0."""
         a, b = self.half_length, self.half_width
         if self.in_space:
-            return self._spheroid(radius) / self._spheroid(np.zeros(()))
+            return np.asarray(self._spheroid(radius) / self._spheroid(np.zeros(())))
         m = (a - b) / (a + b)
         zeta = (a + radius + np.sqrt(radius * (2.0 * a + radius) + b * b)) / (a + b)
         return np.asarray((1.0 - m) / (zeta * zeta - m))
@@ -381,9 +388,9 @@ def grow(
         ],
         axis=-1,
     )
-    grown, vapor, dissolved, error = np.moveaxis(found, 1, -1).reshape(4, *group.shape, -1)
+    grown, vapor, dissolved, off = np.moveaxis(found, 1, -1).reshape(4, *group.shape, -1)
     time = meshes.at(0).time.T[group.ravel()].reshape(grown.shape)
-    return Growth(time, R_0[..., None] * np.exp(grown), vapor, dissolved, error)
+    return Growth(time, R_0[..., None] * np.exp(grown), vapor, dissolved, off)
 
 
 @dataclass(frozen=True, eq=False)
@@ -422,7 +429,8 @@ def _paths(around: Surroundings, stations: ArrayLike) -> _Paths:
     if not np.all(np.isfinite(told)) or np.any(np.diff(ends) <= 0.0):
         msg = "stations must be finite, increase, and lie after the first point of their path"
         raise HistoryError(msg)
-    return _Paths(*rows, shape)
+    t, p, eta, rate, fiber, told = rows
+    return _Paths(t, p, eta, rate, fiber, told, shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -456,6 +464,8 @@ class _Meshes:
     def __init__(self, paths: _Paths, vapor_pressure: float) -> None:
         self._paths = paths
         self._places = [self._place(k, vapor_pressure) for k in range(len(paths.time))]
+        values = np.stack([getattr(paths, name) for name in MEANS], axis=1)
+        self._integrals = [_Integral(*one) for one in zip(paths.time, values, strict=True)]
         self._meshes: dict[int, _Mesh] = {}
 
     def at(self, level: int) -> _Mesh:
@@ -464,8 +474,9 @@ class _Meshes:
             count = STEPS * 2**level
             share = np.linspace(0.0, 1.0, count + 1)
             time = np.array([self._nodes(share, one) for one in self._places])
-            means = (self._means(time, getattr(self._paths, name)) for name in MEANS)
-            self._meshes[level] = _Mesh(time.T, *(one.T for one in means))
+            means = np.array([one(at) for one, at in zip(self._integrals, time, strict=True)])
+            means = np.diff(means, axis=-1) / np.diff(time)[:, None]
+            self._meshes[level] = _Mesh(time.T, *means.transpose(1, 2, 0))
         return self._meshes[level]
 
     @staticmethod
@@ -500,16 +511,23 @@ class _Meshes:
             begin = end
         return places
 
-    def _means(self, nodes: Array, values: Array) -> Array:
-        """Return the means of polylines over the steps between nodes, exactly, (path, k)."""
-        found = np.empty((len(nodes), nodes.shape[1] - 1))
-        for k, (t, at) in enumerate(zip(self._paths.time, nodes, strict=True)):
-            v = values[k]
-            whole = np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t)))
-            j = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 1)
-            up_to = whole[j] + 0.5 * (v[j] + np.interp(at, t, v)) * (at - t[j])
-            found[k] = np.diff(up_to) / np.diff(at)
-        return found
+
+class _Integral:
+    """The integrals of polylines from their first point on, level after the last."""
+
+    def __init__(self, time: Array, values: Array) -> None:
+        step = np.diff(time)
+        self._time, self._values = time, values
+        self._slope = np.append(np.diff(values) / step, np.zeros((len(values), 1)), axis=1)
+        mean = 0.5 * (values[:, 1:] + values[:, :-1])
+        self._whole = np.append(np.zeros((len(values), 1)), np.cumsum(mean * step, axis=1), axis=1)
+
+    def __call__(self, time: Array) -> Array:
+        """Return all integrals up to times (k) after the first point, (polyline, k)."""
+        j = np.searchsorted(self._time, time, side="right") - 1
+        past = time - self._time[j]
+        half = self._values[:, j] + 0.5 * self._slope[:, j] * past
+        return np.asarray(self._whole[:, j] + half * past)
 
 
 def _extrapolated(
@@ -517,22 +535,24 @@ def _extrapolated(
 ) -> tuple[Array, Array, Array, Array]:
     """Return ``ln R/R_0``, masses of vapor and of dissolved water, and the error, (k, nuclei).
 
-    Euler's steps are off in proportion to their length: twice the finer result less the coarser.
-    Those nuclei that half of the steps say otherwise of are followed again by twice as many.
+    Euler's steps are off in proportion to their length: twice what half of it gives less the whole
+    is off by its square, which the next halving tells and takes away. Nuclei that it tells too much
+    of are followed again by twice as many steps.
     """
     left = np.arange(nuclei.R_0.size)
-    fine = _marched(meshes, 0, nuclei)
-    told = np.empty((4, *fine[0].shape))
-    for level in range(1, HALVINGS + 1):
-        coarse, fine = fine, _marched(meshes, level, nuclei.some(left))
-        error = np.abs(fine[0] - coarse[0])
-        told[:3, :, left] = 2.0 * fine - coarse
-        told[3, :, left] = error.T
-        off = np.max(error[STEPS::STEPS], axis=0) > tolerance
-        left, fine = left[off], fine[..., off]
+    before, coarse = (_marched(meshes, level, nuclei) for level in (0, 1))
+    first = 2.0 * coarse - before
+    told = np.empty((4, *first.shape[1:]))
+    for level in range(2, HALVINGS + 1):
+        fine = _marched(meshes, level, nuclei.some(left))
+        second = 2.0 * fine - coarse
+        told[:3, :, left] = second + (second - first) / 3.0
+        told[3, :, left] = np.abs(second[0] - first[0]).T
+        off = np.max(told[3, STEPS::STEPS, left], axis=1) > tolerance
+        left, coarse, first = left[off], fine[..., off], second[..., off]
         if left.size == 0:
             break
-    # Between growing and being held the two may differ in sign: no nucleus leaves its crevice so.
+    # Between growing and being held they may differ in sign: no nucleus leaves its crevice so.
     grown, vapor, dissolved, error = told
     return np.maximum(grown, 0.0), vapor, dissolved, error
 
@@ -564,14 +584,15 @@ def _marched(meshes: _Meshes, level: int, nuclei: _Nuclei) -> Array:
     gas, whole = melt.gas, 3.0 / (4.0 * np.pi) * nuclei.volume
     V_0 = 4.0 / 3.0 * np.pi * R_0**3
     most = np.maximum(np.log(whole * FULL / (1.0 - FULL) / R_0**3) / 3.0, 0.0)
-    grown, R, V, rate = np.zeros_like(R_0), R_0, V_0, np.zeros_like(R_0)
+    grown, rate = np.zeros_like(R_0), np.zeros_like(R_0)
+    ratio, R, V = np.ones_like(R_0), R_0, V_0
     mass = melt.vapor_pressure * V_0 / gas
     told = [(grown, mass, shells.mass())]
     for k, of_all in enumerate(zip(*meshes.at(level).steps(), strict=True), 1):
         h, p, eta, gamma, fiber = (one[nuclei.path] for one in of_all)
         if nuclei.tip is not None:
             p = p + fiber * nuclei.tip.share(R - R_0)
-        supply, backlog = shells.outside_in(R, h)
+        supply, backlog = shells.outside_in(ratio, h)
         # p_b V/gas = mass + h (supply - backlog p_b)
         amount, give = (mass + h * supply) * gas, h * backlog * gas
         cube = R**3
@@ -604,7 +625,6 @@ class _Resistance:
         flow_rate: Array,
         squeezed: Array,
     ) -> None:
-        self.thins = law is not None
         self._law, self._step, self._flow_rate, self._squeezed = law, step, flow_rate, squeezed
         self._factor = viscosity if law is None else viscosity / law.viscosity_at(flow_rate)
 
@@ -653,7 +673,7 @@ def _grown(
     most = np.where(drive < 0.0, -bounds[0], bounds[1])
     drive = np.abs(drive)
     # T is concave: from below Newton's steps never go too far, from above they may go below zero.
-    x = np.clip(sign * before, 0.0, most) if resistance.thins else np.zeros_like(drive)
+    x = np.clip(sign * before, 0.0, most)
     for _ in range(MOST_STEPS):
         large = V * np.exp(3.0 * sign * x)
         p_b = amount / (large + give)
@@ -662,13 +682,13 @@ def _grown(
         slope = slope + 3.0 * p_b * large / (large + give)
         new = x - excess / slope
         new = np.minimum(np.where(new < 0.0, x / 8.0, new), np.minimum(x + 1.0, most))
-        change = float(np.max(np.abs(new - x)))
+        change = np.abs(new - x)
         x = new
-        if change <= SETTLED:
+        if np.all(change <= SETTLED * x + STILL):
             return np.asarray(sign * x)
     msg = (
         f"the growth of a bubble was not found to {SETTLED:g} in {MOST_STEPS} of Newton's steps, "
-        f"but to {change:.2g}: take a melt whose viscosity changes less with the rate"
+        f"but to {np.max(change):.2g}: take a melt whose viscosity changes less with the rate"
     )
     raise ConvergenceError(msg)
 
@@ -677,55 +697,65 @@ class _Shells:
     """Water in the shells around bubbles, from the bubble outwards (shell, nuclei)."""
 
     def __init__(self, melt: BubbleMelt, R_0: Array, volume: Array) -> None:
-        whole = 3.0 / (4.0 * np.pi) * volume
-        ratio = np.maximum((whole / (FIRST * R_0**3)) ** (1.0 / (SHELLS - 0.5)), SMALLEST_RATIO)
+        whole = 3.0 / (4.0 * np.pi) * volume / R_0**3
+        ratio = np.maximum((whole / FIRST) ** (1.0 / (SHELLS - 0.5)), SMALLEST_RATIO)
         shell = np.arange(SHELLS + 1.0)[:, None]
+        # Cubes of radii over R_0 less the bubble's: of edges, and of where concentrations stand.
         edge = whole * (ratio**shell - 1.0) / (ratio**SHELLS - 1.0)
-        # Cubes of radii less R^3: of where concentrations stand, and the volumes between the edges.
-        self._place = edge / np.sqrt(ratio)
-        self._volume = 4.0 / 3.0 * np.pi * np.diff(edge, axis=0)
-        self._conduct = 4.0 * np.pi * melt.diffusivity / np.diff(self._place, axis=0)
+        place = edge / np.sqrt(ratio)
+        self._volume = 4.0 / 3.0 * np.pi * R_0**3 * np.diff(edge, axis=0)
+        self._place = place.astype(np.float32)
+        conduct = 4.0 * np.pi * melt.diffusivity * R_0 / np.diff(place, axis=0)
+        self._conduct = conduct.astype(np.float32)
         self._solubility = melt.solubility
         self._content = np.full_like(self._volume, melt.solubility * melt.vapor_pressure)
-        self._offer, self._slack = np.empty_like(self._volume), np.empty_like(self._volume)
+        self._offer, self._hold = np.empty_like(self._volume), np.empty_like(self._volume)
 
     def mass(self) -> Array:
         """Return the water in all of them [kg]."""
         return np.asarray(np.sum(self._content * self._volume, axis=0))
 
-    def outside_in(self, R: Array, step: Array) -> tuple[Array, Array]:
+    def outside_in(self, ratio: Array, step: Array) -> tuple[Array, Array]:
         """Return what reaches the bubble [kg/s], and what less for its pressure [kg/(s Pa)].
 
         Implicit Euler over a step [s], by elimination from the outermost shell: the content of a
-        shell is ``offer + (1 - slack) inner``, with that of the next one inside.
+        shell is ``offer + hold inner``, with that of the next one inside. ``1 - hold`` goes with
+        it by itself: it may be far below 1.
+
+        Parameters
+        ----------
+        ratio : (nuclei) array
+            ``R/R_0``.
+        step : (nuclei) array
+            How long it is [s].
         """
-        r = _cube_root(R**3 + self._place)
-        low, high = r[:-1], r[1:]
-        # Steady flux between two spheres: 4 pi D/(1/r_low - 1/r_high), by their cubes.
-        flux = self._conduct * low * high * (low * low + low * high + high * high)
+        flux = self._fluxes(ratio)
         store = self._volume / step
-        outer = np.zeros_like(R)
-        offer, slack = outer, outer
+        stored = store * self._content
+        offer, slack, outer = (np.zeros_like(ratio) for _ in range(3))
         for k in range(SHELLS - 1, -1, -1):
             loose = store[k] + outer * slack
             full = loose + flux[k]
-            offer = np.divide(store[k] * self._content[k] + outer * offer, full, out=self._offer[k])
-            slack = np.divide(loose, full, out=self._slack[k])
+            offer = np.divide(stored[k] + outer * offer, full, out=self._offer[k])
+            slack = loose / full
+            np.divide(flux[k], full, out=self._hold[k])
             outer = flux[k]
         return outer * offer, outer * slack * self._solubility
+
+    def _fluxes(self, ratio: Array) -> Array:
+        """Return the flux over a difference of content inside each shell [m3/s].
+
+        ``4 pi D/(1/r - 1/r')``, steady between two spheres, by their cubes. In single precision, a
+        tenth of the time: it is one number for both sides of the flux, so that no water is lost.
+        """
+        r = np.exp(np.log(ratio.astype(np.float32) ** 3 + self._place) / np.float32(3.0))
+        low, high = r[:-1], r[1:]
+        flux = self._conduct * low * high * (low * low + low * high + high * high)
+        whole: Array = flux.astype(np.float64)
+        return whole
 
     def inside_out(self, pressure: Array) -> None:
         """Put in what is left after the step, at the bubble's pressure [Pa] at its end."""
         inner = self._solubility * pressure
         for k in range(SHELLS):
-            inner = self._offer[k] + (1.0 - self._slack[k]) * inner
-            self._content[k] = inner
-
-
-def _cube_root(x: Array) -> Array:
-    """Return cube roots within 1e-13, in a tenth of the time that numpy takes.
-
-    One of Newton's steps squares the error of what single precision gives, 1e-7.
-    """
-    seed = np.exp(np.log(x.astype(np.float32)) / np.float32(3.0)).astype(np.float64)
-    return np.asarray(seed - (seed - x / (seed * seed)) / 3.0)
+            inner = np.add(self._offer[k], self._hold[k] * inner, out=self._content[k])
