@@ -26,7 +26,7 @@ PART = Part(
     brings=(
         Stage(
             "thinning",
-            1,
+            2,
             (
                 "thinning",
                 "flow",

@@ -34,7 +34,7 @@ PART = Part(
     brings=(
         Stage(
             "voids",
-            4,
+            5,
             ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW),
             ("streamlines", "cell", "motion"),
             f"{HERE}.stages:voids_stage",

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
+__all__ = ["FELT", "SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
 
 SELECTIONS = ("regular", "all")
 """Without the streamlines that pass close by a singular corner, and with them."""
+
+FELT = "felt"
+"""Basis of any direction with the most that fibers feel near singular corners (`fiber.corner`)."""
 
 MOST_LIKELY = "isotropic 50 %"
 """Basis of the median isotropic fiber."""

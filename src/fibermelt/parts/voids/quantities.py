@@ -38,11 +38,12 @@ QUANTITIES = declared(
     Q("void_basis", "void_basis", "1",
       "whose lowest pressure: the melt's own; that which a share [%] of isotropically entering "
       "fibers stays below at a point; fibers: the worst of the initial angles; bounds: any "
-      "direction; spheroid: an unbounded spheroid of the same aspect ratio in any direction, in "
-      "a melt that thins in any of the flow's plane; oriented tips: at the tips of such "
-      "spheroids, mean over their orientation tensor", swept="kept"),
+      "direction; felt: the same, with the most that is felt near sharp corners; spheroid: an "
+      "unbounded spheroid of the same aspect ratio in any direction, in a melt that thins in any "
+      "of the flow's plane; oriented tips: at the tips of such spheroids, mean over their "
+      "orientation tensor", swept="kept"),
     Q("void_selection", "void_selection", "1",
-      "regular: without the streamlines that pass close by a singular corner; all", swept="kept"),
+      "regular: without the streamlines that pass close by a sharp corner; all", swept="kept"),
     Q("void_layer", "void_layer", "m", "middle of the layer above the bed in the finished bead",
       swept="kept", kept_as="void_layer_middle", shown_in="mm"),
     # The melt.
@@ -150,7 +151,7 @@ QUANTITIES = declared(
       "moisture that the polymer can hold suffices",
       title="Critical moisture, worst fiber", shown_in="%", response=True, derive=_moisture),
     Q("void_critical_moisture_mean", "", "1",
-      "critical moisture of the median fiber of an isotropic start, mean by flux over the "
+      "critical moisture of the median of randomly entering fibers, mean by flux over the "
       "streamlines but singular ones",
       title="Critical moisture, median fiber", shown_in="%", response=True),
 )

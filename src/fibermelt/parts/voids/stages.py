@@ -19,7 +19,7 @@ from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
 from fibermelt.parts.voids.melt import moist_melt
-from fibermelt.parts.voids.profile import bead_totals, layer_profile
+from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.voids import (
     ATMOSPHERE,
@@ -135,6 +135,7 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
         **{f"isotropic {100 * shares[k]:g} %": quantiles[k] for k in order},
         "fibers": motion["lowest"].min("initial_angle").to_numpy(),
         "bounds": motion["bound_lowest"].to_numpy(),
+        **({FELT: motion["felt_lowest"].to_numpy()} if "felt_lowest" in motion else {}),
         **_spheroids(inputs, viscosity),
     }
     return list(below), own[:, None, :] + np.stack(list(below.values()), axis=1)

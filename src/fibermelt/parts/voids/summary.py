@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fibermelt.engine.quantities import or_none
-from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.answer import LABELS, answered
+from fibermelt.parts.voids.profile import FELT
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.units import PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
@@ -54,7 +55,8 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         The numbers on top hold for a fiber in its worst direction and without the streamlines that
-        pass close by a singular corner; ``including_singular`` with them. ``by_basis`` has the
+        pass close by a singular corner; ``including_singular`` with them, by the most that fibers
+        feel there (basis "felt") where the corners are known. ``by_basis`` has the
         same numbers of other pressures (see ``void_basis``), ``profile`` goes from the bed to the
         free surface; a flow that was not solved here has neither, and its paths no heights. None
         stands for what there is none of: a critical radius or a rate where no
@@ -66,31 +68,35 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
     """
     labels = [str(label) for label in results["void_basis"].to_numpy()]
     regular, everything = (_totals(results, selection) for selection in ("regular", "all"))
-    return {
-        "voids": {
-            "material": {
-                "key": str(results["void_material"].item()),
-                "name": str(results["void_material_name"].item()),
-                "estimates": _lines(results["void_estimates"]),
-                "missing": _lines(results["void_missing"]),
-            },
-            "moisture": float(results["void_moisture"]),
-            "temperature": float(results["void_temperature"]),
-            "threshold_rate": float(10.0 ** results["void_threshold"]),
-            "saturation_moisture": float(results["void_saturation_moisture"]),
-            "saturation_pressure": float(results["void_saturation_pressure"]),
-            "vapor_pressure": float(results["void_vapor_pressure"]),
-            "rest": _rest(results),
-            "speed_exponent": or_none(results["void_speed_exponent"]),
-            "basis": BASIS,
-            **regular[BASIS],
-            "severity": {of: or_none(results[f"severity_{of}"]) for of in ("fibers", "melt")},
-            "including_singular": everything[BASIS],
-            "by_basis": {label: regular[label] for label in labels},
-            "streamlines": _streamlines(results, labels),
-            "profile": _profile(results, labels) if OF_A_BEAD in results else [],
-        }
+    voids = {
+        "material": {
+            "key": str(results["void_material"].item()),
+            "name": str(results["void_material_name"].item()),
+            "estimates": _lines(results["void_estimates"]),
+            "missing": _lines(results["void_missing"]),
+        },
+        "moisture": float(results["void_moisture"]),
+        "temperature": float(results["void_temperature"]),
+        "threshold_rate": float(10.0 ** results["void_threshold"]),
+        "saturation_moisture": float(results["void_saturation_moisture"]),
+        "saturation_pressure": float(results["void_saturation_pressure"]),
+        "vapor_pressure": float(results["void_vapor_pressure"]),
+        "rest": _rest(results),
+        "speed_exponent": or_none(results["void_speed_exponent"]),
+        "basis": BASIS,
+        **regular[BASIS],
+        **{
+            f"severity{kind}": {
+                of: or_none(results[f"severity_{of}{kind}"]) for of in ("fibers", "melt")
+            }
+            for kind in ("", "_error")
+        },
+        "including_singular": everything.get(FELT, everything[BASIS]),
+        "by_basis": {label: regular[label] for label in labels},
+        "streamlines": _streamlines(results, labels),
+        "profile": _profile(results, labels) if OF_A_BEAD in results else [],
     }
+    return {"voids": {**voids, "answer": answered(voids)}}
 
 
 def _lines(text: xr.DataArray) -> list[str]:
@@ -214,7 +220,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
-    lines.append(f"what to do      {advice(voids)}")
+    lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]
     if "held" in voids:
         lines.append(f"held            {voids['held']}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]
