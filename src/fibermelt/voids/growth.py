@@ -34,6 +34,7 @@ Appl. Math. 53 (2000) 1039.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -209,7 +210,7 @@ def viscous_resistance(
     squared = gamma * gamma
 
     def total(x: Array) -> Array:
-        return np.maximum(np.sqrt(squared + (g * x) ** 2), RESTING)
+        return np.asarray(np.maximum(np.sqrt(squared + (g * x) ** 2), RESTING))
 
     at_surface = total(np.ones_like(x_S))
     n = 1.0 + (law.index_at(at_surface) - 1.0) * (g / at_surface) ** 2
@@ -389,7 +390,7 @@ def grow(
         axis=-1,
     )
     grown, vapor, dissolved, off = np.moveaxis(found, 1, -1).reshape(4, *group.shape, -1)
-    time = meshes.at(0).time.T[group.ravel()].reshape(grown.shape)
+    time = meshes.times(0, range(len(paths.time)))[group.ravel()].reshape(grown.shape)
     return Growth(time, R_0[..., None] * np.exp(grown), vapor, dissolved, off)
 
 
@@ -435,18 +436,17 @@ def _paths(around: Surroundings, stations: ArrayLike) -> _Paths:
 
 @dataclass(frozen=True, eq=False)
 class _Mesh:
-    """Steps in time, of all paths at once: times (k + 1, path), means over the steps (k, path)."""
+    """Steps in time of several paths: their lengths and the means over them, (k, path)."""
 
-    time: Array
+    step: Array
     pressure: Array
     viscosity: Array
     flow_rate: Array
     fiber_pressure: Array
 
-    def steps(self) -> tuple[Array, ...]:
-        """Return lengths of the steps [s] and the means over them, all (k, path)."""
-        means = (getattr(self, name) for name in MEANS)
-        return np.diff(self.time, axis=0), *means
+    def steps(self) -> Iterator[tuple[Array, ...]]:
+        """Iterate over the steps: its length and the means of all paths."""
+        return zip(self.step, *(getattr(self, name) for name in MEANS), strict=True)
 
 
 MEANS = ("pressure", "viscosity", "flow_rate", "fiber_pressure")
@@ -466,18 +466,19 @@ class _Meshes:
         self._places = [self._place(k, vapor_pressure) for k in range(len(paths.time))]
         values = np.stack([getattr(paths, name) for name in MEANS], axis=1)
         self._integrals = [_Integral(*one) for one in zip(paths.time, values, strict=True)]
-        self._meshes: dict[int, _Mesh] = {}
 
-    def at(self, level: int) -> _Mesh:
-        """Return the mesh of ``2^level`` times `STEPS` steps between stations."""
-        if level not in self._meshes:
-            count = STEPS * 2**level
-            share = np.linspace(0.0, 1.0, count + 1)
-            time = np.array([self._nodes(share, one) for one in self._places])
-            means = np.array([one(at) for one, at in zip(self._integrals, time, strict=True)])
-            means = np.diff(means, axis=-1) / np.diff(time)[:, None]
-            self._meshes[level] = _Mesh(time.T, *means.transpose(1, 2, 0))
-        return self._meshes[level]
+    def times(self, level: int, which: Sequence[int] | NDArray[np.intp]) -> Array:
+        """Return the times of ``2^level`` times `STEPS` steps between stations, (path, k + 1)."""
+        share = np.linspace(0.0, 1.0, STEPS * 2**level + 1)
+        return np.array([self._nodes(share, self._places[k]) for k in which])
+
+    def at(self, level: int, which: NDArray[np.intp]) -> _Mesh:
+        """Return the steps of some paths."""
+        time = self.times(level, which)
+        whole = np.array([self._integrals[k](at) for k, at in zip(which, time, strict=True)])
+        step = np.diff(time)
+        means = np.diff(whole, axis=-1) / step[:, None]
+        return _Mesh(step.T, *means.transpose(1, 2, 0))
 
     @staticmethod
     def _nodes(share: Array, places: list[tuple[Array, Array]]) -> Array:
@@ -496,7 +497,7 @@ class _Meshes:
         places = []
         for end in ends:
             inside = t[(t > begin) & (t < end)]
-            knots = np.unique([*(begin + (end - begin) * LADDER), *inside])
+            knots = np.sort(np.concatenate([begin + (end - begin) * LADDER, inside]))
             local = np.interp(knots, t, drive)
             size = np.abs(local)
             fastest = max(float(np.max(size)), 1.0 / (end - begin))
@@ -588,8 +589,9 @@ def _marched(meshes: _Meshes, level: int, nuclei: _Nuclei) -> Array:
     ratio, R, V = np.ones_like(R_0), R_0, V_0
     mass = melt.vapor_pressure * V_0 / gas
     told = [(grown, mass, shells.mass())]
-    for k, of_all in enumerate(zip(*meshes.at(level).steps(), strict=True), 1):
-        h, p, eta, gamma, fiber = (one[nuclei.path] for one in of_all)
+    paths, path = np.unique(nuclei.path, return_inverse=True)
+    for k, of_all in enumerate(meshes.at(level, paths).steps(), 1):
+        h, p, eta, gamma, fiber = (one[path] for one in of_all)
         if nuclei.tip is not None:
             p = p + fiber * nuclei.tip.share(R - R_0)
         supply, backlog = shells.outside_in(ratio, h)
