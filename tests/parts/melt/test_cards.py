@@ -130,7 +130,7 @@ def test_a_hole_names_its_keys_its_cost_and_the_way_out():
     with pytest.raises(
         ConfigError,
         match=r"material PLA: diffusion\.prefactor, diffusion\.activation_energy: no value in the "
-        r"card, so no critical time, no residence condition; give it in a card of your own",
+        r"card, so no critical time, no residence condition, no growth of bubbles; give it",
     ):
         melt.residence(483.15)
 

@@ -18,6 +18,7 @@ from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.imported import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
+from fibermelt.parts.voids.bubbles import STATIONS, bubbles, nuclei_of
 from fibermelt.parts.voids.limits import joint_limits
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
     from fibermelt.fiber import SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
+    from fibermelt.parts.voids.bubbles import Nuclei
     from fibermelt.parts.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
 
@@ -62,11 +64,19 @@ def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
         density=parameters["melt.density"],
     )
     say(f"{100 * melt.moisture:g} % moisture in {melt.card.name}")
-    return assess_bead(inputs, viscosity_of(parameters), melt, voids["layers"])
+    return assess_bead(
+        inputs, viscosity_of(parameters), melt, voids["layers"], nuclei_of(parameters)
+    )
 
 
-def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: int) -> xr.Dataset:
-    """Return where in a bead voids can start.
+def assess_bead(
+    inputs: Inputs,
+    viscosity: Viscosity,
+    melt: MoistMelt,
+    layers: int,
+    nuclei: Nuclei | None = None,
+) -> xr.Dataset:
+    """Return where in a bead voids can start, and how far they grow.
 
     Parameters
     ----------
@@ -74,12 +84,14 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
         there are any; or for each of them the results that hold them all.
     viscosity : float, ViscosityLaw or LocalViscosity
-        Of the melt, for spheroids [Pa s].
+        Of the melt, for spheroids and bubbles [Pa s].
     melt : MoistMelt
         The moist melt.
     layers : int
         Number of layers of the profile over the bead's height; paths of a flow from elsewhere have
         no such profile.
+    nuclei : Nuclei, optional
+        What grows; by default nothing does.
 
     Returns
     -------
@@ -113,6 +125,8 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_fiber_time_below": fibers.time_below,
         **_exponents(lines, gauge, "void_exponent", vapor),
         **_exponents(lines, on_fibers, "void_fiber_exponent", vapor),
+        "void_station": list(STATIONS),
+        **bubbles(inputs, melt, viscosity, nuclei),
     }
     regular = lines["near_singularity"].to_numpy() == 0
     arrays |= joint_limits(
