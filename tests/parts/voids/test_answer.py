@@ -86,7 +86,7 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
     assert "void content" not in said
     content = {"bead": 0.012, "tips": 0.01, "rest": 0.002}
     assert (
-        "void content of 1.2 % at the end of the swell, 1.0 % by the fibers"
+        "void content of 1.2 % at the end of the swell, 1 % by the fibers"
         in (told(**changes, void_fraction=content)[ADDED])
     )
     lines = [{"near_singularity": k < 3} for k in range(10)]
