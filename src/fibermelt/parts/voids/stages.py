@@ -15,7 +15,7 @@ from fibermelt.fiber.pressure import LocalViscosity, newtonian_viscosity, pressu
 from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.parts.bead.stages import stored_path
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
 from fibermelt.parts.voids.bubbles import STATIONS, bubbles, nuclei_of

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from fibermelt.engine.results import table_of
 from fibermelt.parts.flow.config import Flow
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import GREY, INK, Words, add_axes, new_figure, shades
 from fibermelt.report.kit.tables import number, short
