@@ -67,7 +67,7 @@ STEPS = 12
 HALVINGS = 6
 """How often they are halved at most: to 768."""
 
-TOLERANCE = 0.03
+TOLERANCE = 0.05
 """Largest error of ``ln R`` at stations, as the last halving tells it: a third or less is left."""
 
 RESTING = 1e-12

@@ -43,7 +43,7 @@ PART = Part(
     brings=(
         Stage(
             "voids",
-            5,
+            6,
             ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW, *NUCLEI),
             ("streamlines", "cell", "motion"),
             f"{HERE}.stages:voids_stage",

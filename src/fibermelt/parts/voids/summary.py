@@ -66,8 +66,8 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
         ``growth_exponent`` of a streamline is that on its fibers, over the initial angles;
         ``severity`` its mean by flux, of what fibers add and of the melt's own pressure, and
         ``rest`` tells whether the melt boils in the air at rest. ``void_fraction`` is the share of
-        gas at the end of the swell, ``void_fraction_on_bed`` after the time on the bed: what the
-        same nuclei have without fibers is ``rest``, what fibers add to it ``tips``.
+        gas at the end of the swell, ``void_fraction_on_bed`` that after the time on the bed: what
+        the same nuclei have without fibers is ``rest``, what fibers add to it ``tips``.
     """
     labels = [str(label) for label in results["void_basis"].to_numpy()]
     regular, everything = (_totals(results, selection) for selection in ("regular", "all"))
@@ -237,7 +237,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     worst = worst_line(voids)
     if worst is None:
         word = "streamline" if voids["profile"] else "path"
-        lines.append(f"lowest local    not told: every {word} passes a sharp corner")
+        lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
     lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]
