@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,9 +11,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from fibermelt.engine.parameters import flatten
 from fibermelt.engine.stages import keys
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import ConfigError
+from fibermelt.levers.steps import steps_of
 from fibermelt.melt import CarreauYasuda, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
 from fibermelt.parts.process.slot import SLOT, wall_rate_ratio
@@ -182,6 +185,18 @@ def test_a_resolved_copy_is_the_study(tmp_path: Path, overrides: Sequence[str]) 
         assert one.flow.gap > 0  # both are whole
     stages = CHAIN.needed(study.study.parts, study.values())
     assert keys(stages, copy.values()) == keys(stages, laid.values())
+
+
+def test_a_lever_moves_what_it_names_and_nothing_that_the_process_lends() -> None:
+    """Levers are beside a finished run, whose tables are its resolved copy."""
+    config = load_study("pellet").config
+    tables, base = tomllib.loads(resolved_toml(config, "a copy")), flatten(config)
+    steps = steps_of(config.values())
+    assert any("flow.capillary_width" in step.settings for step in steps)
+    for step in steps:
+        moved = flatten(load_study(tables, step.settings).config)
+        changed = {key: value for key, value in moved.items() if value != base[key]}
+        assert changed == pytest.approx(dict(step.settings), rel=1e-15)
 
 
 @pytest.mark.parametrize("study", ["pellet", "paper"])
