@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from fibermelt.parts.bead.figures.spread import by_streamline, draw_fibers, draw_mean, spread_key
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, line_word, regular
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,
@@ -105,7 +105,7 @@ def alignment_words(results: xr.Dataset) -> Words:
             f"at zone {zone} half of them within {half[steady].min():.0f}° to "
             f"{half[calm]:.0f}°, the latter on {word} {int(results['streamline'][calm])}"
         )
-    near = at_corners(results, f"Diamonds: {word}s", ", near a singular corner.")
+    near = at_corners(results, f"Diamonds: {word}s", ", near a sharp corner.")
     zones = (
         "zones 1 to 3" if len(angles) == len(ZONES) else f"zone {' and '.join(map(str, angles))}"
     )
