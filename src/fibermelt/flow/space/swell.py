@@ -66,6 +66,8 @@ def solve_round_swell(
 ) -> DieSwell:
     """Return the swell ratio of a round jet without surface tension.
 
+    With a lip edge of 0.05 and 16 sectors it is 0.007 above the literature's.
+
     Parameters
     ----------
     lip_edge : float
