@@ -7,12 +7,14 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-sensitivity test fuzz docs browser lint types contracts bench clean
+.PHONY: help paper paper-sensitivity test test-slow test-all fuzz docs browser lint types contracts bench clean
 
 help:
 	@echo "make paper      run the paper's study into results/paper"
 	@echo "make paper-sensitivity  vary what the paper does not print, into results/nozzle"
-	@echo "make test       run all tests"
+	@echo "make test       run the tests, but for the slow ones"
+	@echo "make test-slow  run those alone: whole pages' commands, processes that are killed, fine meshes"
+	@echo "make test-all   run both"
 	@echo "make fuzz       run the tests that draw examples, with FUZZ=20 times as many of them"
 	@echo "make docs       build the documentation into docs/_build/html, running the examples"
 	@echo "make browser    install the browser that the report is tested in (Debian, as root)"
@@ -50,8 +52,15 @@ paper-sensitivity: $(VENV)/.installed
 	@echo "Look at results/nozzle/report.html: which claims depend on the nozzle's dimensions."
 
 # One process for each core, one solver thread in each: a file's tests stay together.
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+
 test: $(VENV)/.installed-test
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(PYTEST) -m 'not slow'
+
+test-slow: $(VENV)/.installed-test
+	$(PYTEST) -m slow
+
+test-all: test test-slow
 
 # A warning is an error, as is a name in a docstring that does not exist.
 docs: $(VENV)/.installed-docs

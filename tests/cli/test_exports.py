@@ -21,7 +21,7 @@ def export(*arguments):
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    return store(tmp_path_factory.mktemp("stored") / "out")
+    return store(tmp_path_factory.mktemp("stored") / "out", drawn=False)
 
 
 def test_it_writes_a_folder_and_says_where(finished, tmp_path):

@@ -5,8 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-import xarray as xr
-from coarse_runs import COARSE, fibermelt
+from coarse_runs import COARSE, computed, here
 
 pytestmark = pytest.mark.end_to_end
 
@@ -34,20 +33,18 @@ def finished(tmp_path_factory):
     """A finished coarse study of a bead, its voids included."""
     folder = tmp_path_factory.mktemp("voids")
     parts = 'study.parts=["bead", "orientation", "voids", "claims"]'
-    done = fibermelt("run", COARSE, "-s", parts, "--json", "--out", "out", folder=folder)
-    assert done.returncode == 0, done.stderr
-    return folder, json.loads(done.stdout)
+    return folder, computed(COARSE, folder / "out", parts)
 
 
 def asked(folder, *options):
-    done = fibermelt("voids", "out", *options, "--json", folder=folder)
+    done = here("voids", "out", *options, "--json", folder=folder)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     return json.loads(done.stdout)
 
 
 def refused(folder, *arguments):
-    done = fibermelt("voids", *arguments, folder=folder)
+    done = here("voids", *arguments, folder=folder)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
@@ -55,28 +52,27 @@ def refused(folder, *arguments):
 
 
 def test_the_answer_is_that_of_the_run_and_leaves_it_alone(finished):
-    folder, summary = finished
+    folder, run = finished
     before = {path: path.stat().st_mtime_ns for path in (folder / "out").rglob("*")}
     answer = asked(folder)
     assert set(answer) >= CONTRACT
     assert len(answer["streamlines"]) == 4
     assert all(set(line) >= ON_LINE for line in answer["streamlines"])
-    assert answer == summary["voids"]
+    assert answer == run.summary["voids"]
     assert "oriented tips" in answer["by_basis"]
     assert {path: path.stat().st_mtime_ns for path in (folder / "out").rglob("*")} == before
 
 
 def test_the_run_shows_voids(finished):
-    folder, summary = finished
-    assert (folder / "out/figures/voids.svg").is_file()
-    ids = {claim["id"] for claim in summary["claims"] if claim["id"].startswith("void-profile")}
-    assert len(ids) == 5
-    with xr.open_dataset(folder / "out/results.nc", engine="h5netcdf") as results:
-        assert results["void_margin_along"].dims == ("streamline", "void_basis", "point")
-        bounds = results["void_lowest_pressure"].sel(void_basis="bounds")
-        fibers = results["void_lowest_pressure"].sel(void_basis="fibers")
-        # 1 kPa of some MPa: the curve's largest value against one found between samples.
-        assert bool((bounds <= fibers + 1e3).all())
+    _, run = finished
+    assert "voids" in run.drawn()
+    names = [claim["id"] for claim in run.summary["claims"]]
+    assert sum(name.startswith("void-profile") for name in names) == 5
+    assert run.results["void_margin_along"].dims == ("streamline", "void_basis", "point")
+    bounds = run.results["void_lowest_pressure"].sel(void_basis="bounds")
+    fibers = run.results["void_lowest_pressure"].sel(void_basis="fibers")
+    # 1 kPa of some MPa: the curve's largest value against one found between samples.
+    assert bool((bounds <= fibers + 1e3).all())
 
 
 def test_moisture_temperature_and_card_are_those_asked_for(finished):
@@ -96,13 +92,13 @@ def test_moisture_temperature_and_card_are_those_asked_for(finished):
 
 @pytest.mark.parametrize("options", [["--temperature", "210 degC"], ["--material", "pla"]])
 def test_pressures_that_stay_those_of_the_run_are_said_to(finished, options):
-    folder, summary = finished
+    folder, run = finished
     answer = asked(folder, *options)
-    assert answer["lowest_pressure"] == summary["voids"]["lowest_pressure"]
+    assert answer["lowest_pressure"] == run.summary["voids"]["lowest_pressure"]
     assert answer["held"].startswith(
         "the local pressures, those of the run's melt, 13 wt% CF/ABS at 503.15 K"
     )
-    words = fibermelt("voids", "out", *options, folder=folder).stdout
+    words = here("voids", "out", *options, folder=folder).stdout
     assert " ".join(answer["held"].split()) in " ".join(words.split())
 
 
@@ -130,7 +126,7 @@ def test_a_card_of_ones_own(finished):
 
 
 def test_words_for_a_person(finished):
-    done = fibermelt("voids", "out", folder=finished[0])
+    done = here("voids", "out", folder=finished[0])
     assert done.returncode == 0
     assert done.stdout.startswith("vapor pressure  0.951 MPa of 0.17 % moisture in 13 wt% CF/ABS")
     assert "\nwhat to do      " in done.stdout
@@ -177,9 +173,7 @@ def test_damaged_results_are_refused(finished, tmp_path):
 
 
 def test_a_run_without_a_bead_has_no_voids(tmp_path):
-    parts = ('study.parts=["orbits"]',)
-    done = fibermelt("run", COARSE, "-s", *parts, "--out", "out", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
+    computed(COARSE, tmp_path / "out", 'study.parts=["orbits"]')
     assert 'has no fibers in a bead: name "bead" or "voids" in study.parts' in refused(
         tmp_path, "out"
     )
@@ -187,6 +181,6 @@ def test_a_run_without_a_bead_has_no_voids(tmp_path):
 
 def test_a_moisture_that_cannot_be_is_refused_before_the_flow_is_computed(tmp_path):
     settings = ("-s", 'study.parts=["voids"]', "-s", "voids.moisture=3 %")
-    done = fibermelt("validate", COARSE, *settings, folder=tmp_path)
+    done = here("validate", COARSE, *settings, folder=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith("error: voids.moisture = 3 %: must be at most 0.5 %")

@@ -3,7 +3,8 @@
 A page's first study is written as `mine.toml`, a card under the name that the page gives it; a
 study or card that no command names is run as one would. What costs minutes is made coarse by
 further `-s`, and sweeps are thinned, which changes numbers and no word of a command: `validate` and
-`plan` see a study as it is shown.
+`plan` see a study as it is shown. What starts processes is one itself; the rest runs in this one,
+and a study without its figures and page, which are drawn once, of the paper's.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any
 
 import pytest
 import typer
-from coarse_runs import COARSE, fibermelt
+from coarse_runs import COARSE, fibermelt, here
 
 from fibermelt.cli import app
 
@@ -35,6 +36,7 @@ PAGES = [
         "docs/tutorial.md",
         "docs/sweeps.md",
         "docs/howto/melts.md",
+        "docs/howto/printer.md",
         "docs/howto/voids.md",
     )
 ]
@@ -42,6 +44,9 @@ PAGES = [
 
 COMPUTES = {"run", "sweep"}
 """Commands that take `-s` and time."""
+
+SWEEPS = {"sweep", "resume"}
+"""Commands that start workers."""
 
 ELSEWHERE = {"--scheduler": "needs a cluster"}
 """What cannot be run here, and why."""
@@ -173,8 +178,13 @@ def typed(line: str) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_of_a_page_run(
-    page: Path, finished: Path, done_before: set[tuple[str, ...]]
+    page: Path,
+    finished: Path,
+    done_before: set[tuple[str, ...]],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr("fibermelt.report.page.draw", lambda results, folder: [])
+    monkeypatch.setattr("fibermelt.report.page.render", lambda results, summary, drawn: b"")
     files, commands = page_files(page), page_commands(page)
     for line in [*commands, *implied(files, commands)]:
         if any(word in line for word in ELSEWHERE):
@@ -187,7 +197,7 @@ def test_commands_of_a_page_run(
         for name, text in files.items():
             shown = thinned(text) if words[0] in COMPUTES else text
             (finished / name).write_text(shown, encoding="utf-8")
-        done = fibermelt(*words, folder=finished)
+        done = (fibermelt if words[0] in SWEEPS else here)(*words, folder=finished)
         if line in REFUSED:
             assert done.returncode == 2, line
             assert REFUSED[line] in done.stderr

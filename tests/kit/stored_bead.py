@@ -86,15 +86,16 @@ def stored_summary(results: xr.Dataset, *, claims: bool = True) -> dict[str, Any
     return {**summary, "cost": {"flow": 8.7, "total": 12.3}}
 
 
-def store(folder: Path) -> Path:
-    """Make a folder that holds a finished run, and return it."""
+def store(folder: Path, *, drawn: bool = True) -> Path:
+    """Make a folder that holds a finished run, with or without its figures, and return it."""
     results = stored_results()
 
     def write(into: Path) -> None:
         write_through(into / "results.nc", to_bytes(results))
         write_through(into / "summary.json", json.dumps(stored_summary(results)).encode())
         (into / "figures").mkdir()
-        draw_figures(results, into / "figures")
+        if drawn:
+            draw_figures(results, into / "figures")
 
     publish(Store.open(folder).directory, "key", write)
     return folder

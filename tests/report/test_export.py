@@ -30,7 +30,7 @@ def results() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return store(tmp_path_factory.mktemp("stored") / "out")
+    return store(tmp_path_factory.mktemp("stored") / "out", drawn=False)
 
 
 @pytest.fixture

@@ -30,6 +30,20 @@ def test_a_fiber_that_is_not_small_is_told(tables: dict[str, dict[str, object]],
     assert told in notes(**tables)
 
 
+@pytest.mark.parametrize(
+    ("gap", "told"),
+    [
+        ("2.48 mm", "the gap is 0.827 times the bead's height of 3 mm: below 0.83 the melt climbs"),
+        ("2.5 mm", ""),
+        ("4.7 mm", ""),
+        ("4.9 mm", "the gap is 1.63 times the bead's height of 3 mm: above 1.6"),
+    ],
+)
+def test_a_gap_without_a_steady_bead_is_told(gap: str, told: str) -> None:
+    assert notes(flow={"gap": gap}).startswith(told)
+    assert bool(notes(flow={"gap": gap})) == bool(told)
+
+
 def test_a_melt_with_inertia_is_told_its_reynolds_number() -> None:
     # 1154 kg/m3 at 0.3048e-3 m2/s over 1 mPa s
     assert "Reynolds number of the capillary is 3.5e+02" in notes(melt={"viscosity": "1 mPa s"})

@@ -13,7 +13,7 @@ import fakes
 import numpy as np
 import pytest
 import xarray as xr
-from coarse_runs import COARSE, ONE_THREAD, fibermelt
+from coarse_runs import COARSE, ONE_THREAD, computed, fibermelt
 from patience import PATIENCE
 
 pytestmark = pytest.mark.end_to_end
@@ -171,24 +171,20 @@ def test_the_resolved_config_is_the_same_study(folder, tmp_path):
     assert f"results         {folder}" in done.stdout
 
 
-def test_another_fiber_takes_the_same_flow(folder, tmp_path):
+def test_another_fiber_takes_the_same_flow(folder):
     before = json.loads((folder / "summary.json").read_text())
-    set_fiber = ("-s", "fiber.aspect_ratio=3")
-    done = fibermelt("run", COARSE, "--out", folder, "--json", *set_fiber, folder=tmp_path)
-    after = json.loads(done.stdout)
-    reused = [line.split(":")[0] for line in done.stderr.splitlines() if ": reused" in line]
+    run = computed(COARSE, folder, "fiber.aspect_ratio=3")
+    after = run.summary
+    reused = [line.split(":")[0] for line in run.told if ": reused" in line]
     assert reused == ["flow", "streamlines"]
     assert after["flow"] == before["flow"]
     assert after["cell"]["aspect_ratio"] == 3
     assert after["cell"]["tip_pressure"] < before["cell"]["tip_pressure"]
 
 
-def test_the_viscosity_scales_pressures_only(folder, tmp_path):
+def test_the_viscosity_scales_pressures_only(folder):
     before = json.loads((folder / "summary.json").read_text())
-    done = fibermelt(
-        "run", COARSE, "--out", folder, "--json", "-s", "melt.viscosity=1634", folder=tmp_path
-    )
-    after = json.loads(done.stdout)
+    after = computed(COARSE, folder, "melt.viscosity=1634").summary
     # Rounding of two solves of the same scaled problem.
     same = {"rel": 1e-6}
     assert after["flow"]["contact_point"] == pytest.approx(before["flow"]["contact_point"], **same)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from coarse_runs import COARSE, fibermelt
+from coarse_runs import COARSE, computed, fibermelt, here
 from dialects import Sample, fluent, sectionwise
 from exact_flows import Mesh
 
@@ -53,10 +53,9 @@ def read(folder: Path) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def direct(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("direct")
-    done = fibermelt("run", COARSE, "--out", "out", folder=folder)
-    assert done.returncode == 0, done.stderr
-    return folder / "out"
+    out = tmp_path_factory.mktemp("direct") / "out"
+    computed(COARSE, out)
+    return out
 
 
 def of_nodes(found: xr.Dataset) -> Sample:
@@ -75,9 +74,8 @@ def test_our_own_bead_read_back(direct, tmp_path, dialect):
     written = dialect != "vtu"
     file = writers[dialect](tmp_path, of_nodes(known)) if written else direct / "flow.vtu"
     (tmp_path / "study.toml").write_text(STUDY.format(file=file))
-    done = fibermelt("run", "study.toml", "--out", "out", "--json", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    summary, found = json.loads(done.stdout), read(tmp_path / "out")
+    run = computed(tmp_path / "study.toml", tmp_path / "out")
+    summary, found = run.summary, run.results
     assert [path["end"] for path in summary["paths"]] == ["outlet"] * 4
     assert "bead_height" not in summary["flow"]
     assert "zone_time" not in found
@@ -93,9 +91,7 @@ def test_our_own_bead_read_back(direct, tmp_path, dialect):
         miss = np.abs(other.to_numpy()[regular] - one)
         assert np.all(miss < WITHIN * np.abs(one))
         assert np.all(miss < error.to_numpy()[regular])
-    page = (tmp_path / "out/report.html").read_text()
-    assert "another solver" in page
-    assert 'id="figure-paths"' in page or "The paths" in page
+    assert "paths" in run.drawn()
 
 
 TURNED = 0.01
@@ -131,9 +127,9 @@ def test_stations_give_what_those_of_the_bead_do(direct, tmp_path):
     known = read(direct)
     study = STUDY.replace("count = 4\n", f"count = 4\n{STATIONS}")
     (tmp_path / "study.toml").write_text(study.format(file=direct / "flow.vtu"))
-    done = fibermelt("run", "study.toml", "--out", "out", "--json", folder=tmp_path)
+    done = fibermelt("run", "study.toml", "--out", "out", folder=tmp_path)
     assert done.returncode == 0, done.stderr
-    summary, found = json.loads(done.stdout), read(tmp_path / "out")
+    found = read(tmp_path / "out")
     assert found["zone"].to_numpy().tolist() == [1, 2, 3]
     assert found["location"].to_numpy().tolist() == [0, 1, 2]
     regular = known["near_singularity"].to_numpy() == 0
@@ -153,9 +149,13 @@ def test_stations_give_what_those_of_the_bead_do(direct, tmp_path):
         )
         assert np.all(np.abs(one - other) < WITHIN * np.abs(other))
         assert np.all(np.abs(one - other) < error)
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
     told = [(one["streamline"], one["zone"]) for one in summary["orientation"]]
     assert told == [(line, zone) for line in (1, 2, 3, 4) for zone in (1, 2, 3)]
-    assert "Orientation at the zones" in (tmp_path / "out/report.html").read_text()
+    page = (tmp_path / "out/report.html").read_text()
+    assert "another solver" in page
+    assert 'id="figure-paths"' in page or "The paths" in page
+    assert "Orientation at the zones" in page
 
 
 def table(found: xr.Dataset, rows: list[int]) -> str:
@@ -168,7 +168,7 @@ def table(found: xr.Dataset, rows: list[int]) -> str:
     return "\n".join(lines)
 
 
-def test_a_table_of_paths_is_a_study(direct, tmp_path):
+def test_a_table_of_paths_is_a_study(direct, tmp_path, monkeypatch):
     """The very numbers of the bead's own streamlines lead to the very extremes."""
     known = read(direct)
     (tmp_path / "paths.csv").write_text(table(known, [1, 2]))
@@ -192,9 +192,9 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
     assert "Orientation in the bead" not in page
 
     (tmp_path / "paths.csv").write_text(table(known, [1]))
-    again = fibermelt("run", "study.toml", "--out", "out", folder=tmp_path)
-    assert again.returncode == 0, again.stderr
-    assert read(tmp_path / "out").sizes["streamline"] == 1  # a file that changed is read again
+    monkeypatch.chdir(tmp_path)
+    again = computed("study.toml", tmp_path / "out")
+    assert again.results.sizes["streamline"] == 1  # a file that changed is read again
 
     swept = tmp_path / "swept.toml"
     swept.write_text(
@@ -227,7 +227,7 @@ def test_a_table_of_paths_is_a_study(direct, tmp_path):
 def test_what_is_no_flow_from_elsewhere(tmp_path, overrides, said):
     (tmp_path / "here").write_text("a file")
     sets = [part for override in overrides for part in ("-s", override)]
-    done = fibermelt("validate", "paper", "-s", 'study.parts=["bead"]', *sets, folder=tmp_path)
+    done = here("validate", "paper", "-s", 'study.parts=["bead"]', *sets, folder=tmp_path)
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr

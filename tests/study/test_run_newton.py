@@ -1,12 +1,10 @@
 """The chain by the paper's own algorithm, beside superposition over the same streamlines."""
 
-import json
 import re
 
 import numpy as np
 import pytest
-import xarray as xr
-from coarse_runs import COARSE, fibermelt
+from coarse_runs import COARSE, computed, here
 
 pytestmark = pytest.mark.end_to_end
 
@@ -28,28 +26,23 @@ NODES = 5e-3
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    """Summary, results and progress of both paths, through one results folder."""
-    folder = tmp_path_factory.mktemp("newton")
-    answers = {}
-    for path in PATHS:
-        sets = [part for override in [*SMALL, f"fiber.path={path}"] for part in ("-s", override)]
-        done = fibermelt("run", COARSE, "--out", "out", "--json", *sets, folder=folder)
-        assert done.returncode == 0, done.stderr
-        with xr.open_dataset(folder / "out/results.nc", engine="h5netcdf") as results:
-            answers[path] = (json.loads(done.stdout), results.load(), done.stderr)
-        assert len(list((folder / "out/figures").glob("*.svg"))) >= 8
-    return answers
+    """What both paths come to, through one results folder."""
+    out = tmp_path_factory.mktemp("newton") / "out"
+    return {path: computed(COARSE, out, *SMALL, f"fiber.path={path}") for path in PATHS}
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_figures_can_be_drawn(found, path):
+    assert len(found[path].drawn()) >= 8
 
 
 def test_only_the_motion_is_computed_again(found):
-    progress = found["newton"][2]
-    for stage in ("flow", "streamlines", "cell"):
-        assert f"{stage}: reused" in progress
-    assert "motion: reused" not in progress
+    reused = [line.split(":")[0] for line in found["newton"].told if ": reused" in line]
+    assert reused == ["flow", "streamlines", "cell"]
 
 
 def test_both_paths_have_the_same_variables(found):
-    ours, papers = (found[path][1] for path in PATHS)
+    ours, papers = (found[path].results for path in PATHS)
     assert list(papers) == list(ours)
     for name in ours:
         assert papers[name].dims == ours[name].dims
@@ -59,7 +52,7 @@ def test_both_paths_have_the_same_variables(found):
 
 
 def test_both_paths_have_the_same_summary_keys(found):
-    ours, papers = (found[path][0] for path in PATHS)
+    ours, papers = (found[path].summary for path in PATHS)
     assert list(papers) == list(ours)
     for part in ("streamlines", "extremes", "orientation"):
         assert [list(item) for item in papers[part]] == [list(item) for item in ours[part]]
@@ -67,7 +60,7 @@ def test_both_paths_have_the_same_summary_keys(found):
 
 
 def test_the_trajectories_agree_to_the_error_of_runge_kutta(found):
-    ours, papers = (found[path][1]["angle"].to_numpy() for path in PATHS)
+    ours, papers = (found[path].results["angle"].to_numpy() for path in PATHS)
     assert np.array_equal(papers[..., 0], ours[..., 0])
     worst = np.abs(papers - ours).max()
     # not the same numbers: they come by another way
@@ -76,7 +69,7 @@ def test_the_trajectories_agree_to_the_error_of_runge_kutta(found):
 
 def test_the_pressure_at_the_same_state_is_the_same(found):
     """From the angles of the paper's path, over its own surface points, by superposition."""
-    results = found["newton"][1]
+    results = found["newton"].results
     L = results["gradient"].to_numpy()[:, None]
     stretch, shear = L[..., 0, 0], (L[..., 0, 1] + L[..., 1, 0]) / 2
     double = 2 * results["angle"].to_numpy()
@@ -92,20 +85,20 @@ def test_the_pressure_at_the_same_state_is_the_same(found):
 
 
 def test_extremes_agree(found):
-    ours, papers = (found[path][1] for path in PATHS)
+    ours, papers = (found[path].results for path in PATHS)
     scale = np.abs(ours["extreme"]).max(dim=("initial_angle",))
     assert float((np.abs(papers["extreme"] - ours["extreme"]) / scale).max()) < NODES
     assert float(np.abs(papers["zone_angle"] - ours["zone_angle"]).max()) < RUNGE_KUTTA
 
 
 def test_what_is_over_every_orientation_is_the_same(found):
-    ours, papers = (found[path][1] for path in PATHS)
+    ours, papers = (found[path].results for path in PATHS)
     for name in ("bound_lowest", "bound_highest", "quantile_lowest", "extreme_quantiles"):
         assert np.array_equal(papers[name], ours[name])
 
 
 def test_it_says_what_it_costs_and_how_far_it_is(found):
-    lines = [x for x in found["newton"][2].splitlines() if x.startswith("motion: ")][1:]
+    lines = [x for x in found["newton"].told if x.startswith("motion: ")][1:]
     # 8 solves a step, 2 angles, 2 streamlines of 120 points
     cost = r"motion: the paper's algorithm, 2 angles on 2 streamlines: up to 3840 solves of \d+ "
     assert re.match(cost + r'unknowns, .*; fiber.path = "superposition" takes seconds', lines[0])
@@ -116,7 +109,7 @@ def test_it_says_what_it_costs_and_how_far_it_is(found):
 @pytest.mark.parametrize("model", ["ellipse", "spheroid"])
 def test_without_a_cell_it_is_refused(tmp_path, model):
     sets = ["-s", "fiber.path=newton", "-s", f"fiber.model={model}"]
-    done = fibermelt("validate", COARSE, *sets, folder=tmp_path)
+    done = here("validate", COARSE, *sets, folder=tmp_path)
     assert done.returncode == 2
     assert done.stderr == (
         'error: fiber.path = "newton": the paper\'s algorithm works on a cell, which fiber.model '
@@ -127,7 +120,7 @@ def test_without_a_cell_it_is_refused(tmp_path, model):
 
 def test_out_of_the_plane_it_is_refused(tmp_path):
     sets = ["-s", "fiber.path=newton", "-s", "fiber.directions=equal-area"]
-    done = fibermelt("validate", COARSE, *sets, folder=tmp_path)
+    done = here("validate", COARSE, *sets, folder=tmp_path)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
     assert 'fiber.directions = "equal-area"' in done.stderr

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import numpy as np
 import pytest
-import xarray as xr
-from coarse_runs import COARSE, fibermelt
+from coarse_runs import COARSE, Computed, computed
 
 pytestmark = pytest.mark.end_to_end
 
@@ -18,35 +14,31 @@ KEYS = ("rates", "shape_factors", "largest_pressures", "error_estimate")
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[dict[str, Any], xr.Dataset]]:
-    """Summary and results of every case; both go through one results folder."""
-    folder = tmp_path_factory.mktemp("thinning")
-    answers = {}
-    for case, overrides in CASES.items():
-        said = ['study.parts=["bead", "voids"]', *MELT, *overrides]
-        sets = [part for override in said for part in ("-s", override)]
-        done = fibermelt("run", COARSE, "--out", "out", "--json", *sets, folder=folder)
-        assert done.returncode == 0, done.stderr
-        with xr.open_dataset(folder / "out/results.nc", engine="h5netcdf") as results:
-            answers[case] = (json.loads(done.stdout), results.load())
-        figures = {path.stem for path in (folder / "out/figures").glob("*.svg")}
-        assert {"melt", "history", "extremes", "voids"} <= figures
-    return answers
+def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Computed]:
+    """What every case comes to; both go through one results folder."""
+    out = tmp_path_factory.mktemp("thinning") / "out"
+    asked = ('study.parts=["bead", "voids"]', *MELT)
+    return {case: computed(COARSE, out, *asked, *overrides) for case, overrides in CASES.items()}
 
 
-def test_the_table_is_told_with_its_errors(found: dict[str, Any]) -> None:
-    cell = found["law"][0]["cell"]
+@pytest.mark.parametrize("case", CASES)
+def test_figures_can_be_drawn(found: dict[str, Computed], case: str) -> None:
+    assert {"melt", "history", "extremes", "voids"} <= found[case].drawn()
+
+
+def test_the_table_is_told_with_its_errors(found: dict[str, Computed]) -> None:
+    cell = found["law"].summary["cell"]
     assert tuple(cell["thinning"]) == KEYS
     assert cell["thinning"]["error_estimate"]["pressure"] < 5e-3
     # melts.md: the period hardly changes, and B from 1.034 towards 1
     assert 1.0 < cell["thinning"]["shape_factors"][0] < cell["shape_factor"]
-    assert "thinning" not in found["local-viscosity"][0]["cell"]
+    assert "thinning" not in found["local-viscosity"].summary["cell"]
 
 
-def test_the_flow_is_the_same_and_its_melt_is_told(found: dict[str, Any]) -> None:
-    law, local = (found[case][0]["flow"] for case in CASES)
+def test_the_flow_is_the_same_and_its_melt_is_told(found: dict[str, Computed]) -> None:
+    law, local = (found[case].summary["flow"] for case in CASES)
     assert law == local
-    results = found["law"][1]
+    results = found["law"].results
     regular = results.isel(streamline=results["near_singularity"].to_numpy() == 0)
     rate = float(regular["shear_rate"].max())
     assert law["highest_rate"] == rate
@@ -54,31 +46,31 @@ def test_the_flow_is_the_same_and_its_melt_is_told(found: dict[str, Any]) -> Non
     assert law["outside_law"] is None
 
 
-def test_a_local_viscosity_overstates_the_pressure(found: dict[str, Any]) -> None:
-    law, local = (found[case][1] for case in CASES)
+def test_a_local_viscosity_overstates_the_pressure(found: dict[str, Computed]) -> None:
+    law, local = (found[case].results for case in CASES)
     share = (law["bound_lowest"] / local["bound_lowest"]).to_numpy()
     # of a power law it is the same number everywhere: the largest pressures of both tables
-    cell = found["law"][0]["cell"]
+    cell = found["law"].summary["cell"]
     expected = cell["thinning"]["largest_pressures"][0] / cell["tip_pressure"]
     assert share == pytest.approx(expected, rel=1e-3)
     assert 0.5 < expected < 0.6
 
 
-def test_fibers_stay_within_the_bounds(found: dict[str, Any]) -> None:
-    results = found["law"][1]
+def test_fibers_stay_within_the_bounds(found: dict[str, Computed]) -> None:
+    results = found["law"].results
     lowest = results["lowest"].min("initial_angle") - results["bound_lowest"]
     slack = 1e-9 * float(np.abs(results["bound_lowest"]).max())
     assert float(lowest.min()) > -slack
 
 
-def test_the_approximation_is_told(found: dict[str, Any]) -> None:
-    assert found["law"][0].get("notes", []) == []
-    (note,) = found["local-viscosity"][0]["notes"]
+def test_the_approximation_is_told(found: dict[str, Computed]) -> None:
+    assert found["law"].summary.get("notes", []) == []
+    (note,) = found["local-viscosity"].summary["notes"]
     assert note.startswith('fiber.melt = "local-viscosity"')
 
 
-def test_spheroids_in_voids(found: dict[str, Any]) -> None:
+def test_spheroids_in_voids(found: dict[str, Computed]) -> None:
     """A shear-thinned spheroid sees less of a pressure than a Newtonian one, as an ellipse does."""
-    law, local = (found[case][0]["voids"]["by_basis"] for case in CASES)
+    law, local = (found[case].summary["voids"]["by_basis"] for case in CASES)
     assert list(law) == list(local)
     assert law["spheroid"]["lowest_pressure"] > local["spheroid"]["lowest_pressure"]

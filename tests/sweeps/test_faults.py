@@ -28,7 +28,7 @@ from fibermelt.errors import StoreError
 from fibermelt.sweeps.status import sweep_status
 from fibermelt.sweeps.store import CaseStore, read_progress
 
-pytestmark = pytest.mark.end_to_end
+pytestmark = [pytest.mark.end_to_end, pytest.mark.slow]
 
 TAKES = {"FAKE_FLOW_TAKES": "0.2", "FAKE_MOTION_TAKES": "0.04"}
 """Cost [s] of the stages: 96 cases take 2 s on two workers, during which something is killed."""

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 from fibermelt.cli import app
 from fibermelt.sweeps.pools import open_pool
 
-pytestmark = pytest.mark.end_to_end
+pytestmark = [pytest.mark.end_to_end, pytest.mark.slow]
 
 COMMAND = """import fake_sweeps, fibermelt.study.chain
 fibermelt.study.chain.CHAIN = fake_sweeps.CHAIN

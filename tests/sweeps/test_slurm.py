@@ -12,7 +12,7 @@ from distributed import LocalCluster
 
 from fibermelt.sweeps.worker import single_threaded
 
-pytestmark = pytest.mark.end_to_end
+pytestmark = [pytest.mark.end_to_end, pytest.mark.slow]
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "sweep_on_slurm.py"
 

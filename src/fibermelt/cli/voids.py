@@ -20,9 +20,9 @@ def voids(
         str | None,
         typer.Option(
             metavar="CARD",
-            help="Material card: paper, abs, abs-cf13-thinning, abs-power-law, made-up-carreau, "
-            "pa66-gf30, pei, pla, pla-cf14, ps, or the path of a TOML file; the study's by "
-            "default.",
+            help="Material card: paper, abs, abs-cf13-thinning, abs-cf20, abs-power-law, "
+            "made-up-carreau, pa6-cf20, pa66-gf30, pei, pla, pla-cf14, ps, or the path of a TOML "
+            "file; the study's by default.",
         ),
     ] = None,
     moisture: Annotated[

@@ -5,23 +5,27 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from threading import Condition
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.execution import execute, software_versions
 from fibermelt.engine.files import canonical, digest, write_through
+from fibermelt.engine.helper import Helper, HelperLostError, helped
 from fibermelt.engine.named import named
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import is_published, publish
 from fibermelt.engine.parts import Chain
 from fibermelt.engine.progress import Observer, Silent
 from fibermelt.engine.schema import REPORT, SCHEMA, has_lost_mark
-from fibermelt.engine.stages import Say, Stage, keys, stage_parameters
+from fibermelt.engine.stages import Inputs, Say, Stage, keys, stage_parameters
 from fibermelt.engine.store import Record, Store, stage_name
 from fibermelt.engine.toml import resolved_toml
 from fibermelt.errors import DamagedError, legible
+from fibermelt.threads import cores
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +33,12 @@ if TYPE_CHECKING:
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parameters import Value
     from fibermelt.engine.tables import Tables
+
+WORTH_A_HELPER = 3
+"""Stages that wait for nothing, for which a second process is started: it takes as long as most of
+them to be there, and there is one to compute here meanwhile."""
+
+EXECUTE = "fibermelt.engine.execution:execute"
 
 __all__ = ["DrawFigures", "WriteReport", "run_study", "summarize"]
 
@@ -137,25 +147,10 @@ class _Run:
             self.observer.done("study", "nothing has changed: all results are up to date")
             summary: dict[str, Any] = json.loads((store.directory / "summary.json").read_bytes())
             return summary
-        data: dict[str, xr.Dataset] = {}
+        data, records = _Work(self, store, stages, values, stage_keys, found).done()
         cost: dict[str, float] = {}
-        for number, stage in enumerate(stages, 1):
-            record = found.get(stage.name)
-            if record is not None:
-                stored = store.load(record)
-                self.observer.done(stage.name, f"reused (took {record.cost:.1f} s when computed)")
-            else:
-                self.observer.step(stage.name, "started")
-                inputs = {name: data[name] for name in stage.fed(values)}
-                record, stored = execute(stage, values, stage_keys, inputs, self._say(stage))
-                # What is damaged is not in what was found: it makes room, as all does afresh.
-                record = store.save(record, stored, replace=stage.name not in found)
-                self.observer.done(stage.name, f"done in {record.cost:.1f} s")
-            data[stage.name] = stage.multiple(stage_parameters(stage, values)).of(stored)
-            for later in stages[number:]:
-                asked = stage_parameters(later, values)
-                named(later.foresee)(asked, stage.name, data[stage.name])
-            cost[stage.heading] = cost.get(stage.heading, 0.0) + record.cost
+        for stage in stages:
+            cost[stage.heading] = cost.get(stage.heading, 0.0) + records[stage.name].cost
         return self._publish(store, key, data, cost)
 
     def _stored(self, store: Store, stage_keys: Mapping[str, str]) -> dict[str, Record | None]:
@@ -171,9 +166,6 @@ class _Run:
                 told = f"{stage_name(name, key)} is damaged: it is computed anew"
                 self.observer.done("store", told)
         return found
-
-    def _say(self, stage: Stage) -> Say:
-        return lambda line: self.observer.step(stage.name, line)
 
     def _key(self, values: Mapping[str, Value], stage_keys: Mapping[str, str]) -> str:
         """Return the hash of all that the files on show depend on, but for the study's name.
@@ -241,3 +233,112 @@ class _Run:
 
         publish(store.directory, key, write)
         return summary
+
+
+@dataclass
+class _Work:
+    """The stages of a run, each done once what it is fed is: here, by a helper where it pays."""
+
+    run: _Run
+    store: Store
+    stages: Sequence[Stage]
+    values: Mapping[str, Value]
+    keys: Mapping[str, str]
+    found: Mapping[str, Record | None]
+
+    def __post_init__(self) -> None:
+        self.left = list(self.stages)
+        self.data: dict[str, xr.Dataset] = {}
+        self.records: dict[str, Record] = {}
+        self.changed = Condition()
+        self.failure: Exception | None = None
+
+    def done(self) -> tuple[dict[str, xr.Dataset], dict[str, Record]]:
+        """Do all stages, and return their data and their records in the order of the chain."""
+        apart = [stage for stage in self._missing() if not stage.fed(self.values)]
+        pays = cores() > 1 and len(apart) >= WORTH_A_HELPER
+        with helped(self._give) if pays else nullcontext():
+            try:
+                self._do()
+            finally:
+                self._leave()
+        names = [stage.name for stage in self.stages]
+        return {name: self.data[name] for name in names}, self.records
+
+    def _do(self) -> None:
+        """Do stages in the order of the chain until all are done, here or by the helper."""
+        while (stage := self._taken()) is not None:
+            record = self.found.get(stage.name)
+            if record is not None:
+                told = f"reused (took {record.cost:.1f} s when computed)"
+                self._finish(stage, record, self.store.load(record), told)
+            else:
+                self.run.observer.step(stage.name, "started")
+                self._save(stage, *execute(*self._asked(stage), self._say(stage)))
+        if self.failure is not None:
+            raise self.failure
+
+    def _give(self, helper: Helper) -> None:
+        """Have a helper compute stages from the end of the chain on, as long as there are any."""
+        while (stage := self._taken(by_helper=True)) is not None:
+            self.run.observer.step(stage.name, "started")
+            try:
+                answer = helper.call(EXECUTE, *self._asked(stage), say=self._say(stage))
+                self._save(stage, *answer)
+            except HelperLostError:
+                with self.changed:  # done here, which tells why
+                    self.left.insert(0, stage)
+                    self.changed.notify_all()
+                return
+            except Exception as failure:  # raised where the run is waited for
+                self._leave(failure)
+                return
+
+    def _leave(self, failure: Exception | None = None) -> None:
+        """Have nobody begin or wait for another stage."""
+        with self.changed:
+            self.failure, self.left = failure or self.failure, []
+            self.changed.notify_all()
+
+    def _missing(self) -> list[Stage]:
+        return [stage for stage in self.left if self.found.get(stage.name) is None]
+
+    def _taken(self, *, by_helper: bool = False) -> Stage | None:
+        """Return the next stage that is fed, waiting for it.
+
+        None where nothing is left to take, of what is not stored; but here, where what the helper
+        does may come back, only where everything is done, or failed.
+        """
+        with self.changed:
+            while self.failure is None and len(self.data) < len(self.stages):
+                left = self._missing()[::-1] if by_helper else self.left
+                for stage in left:
+                    if all(name in self.data for name in stage.fed(self.values)):
+                        self.left.remove(stage)
+                        return stage
+                if by_helper and not left:
+                    return None
+                self.changed.wait()
+        return None
+
+    def _asked(self, stage: Stage) -> tuple[Stage, Mapping[str, Value], Mapping[str, str], Inputs]:
+        inputs = {name: self.data[name] for name in stage.fed(self.values)}
+        return stage, self.values, self.keys, inputs
+
+    def _say(self, stage: Stage) -> Say:
+        return lambda line: self.run.observer.step(stage.name, line)
+
+    def _save(self, stage: Stage, record: Record, stored: xr.Dataset) -> None:
+        # What is damaged is not in what was found: it makes room, as all does afresh.
+        record = self.store.save(record, stored, replace=stage.name not in self.found)
+        self._finish(stage, record, stored, f"done in {record.cost:.1f} s")
+
+    def _finish(self, stage: Stage, record: Record, stored: xr.Dataset, told: str) -> None:
+        """Take note of a stage's data, and refuse what cannot come after them."""
+        self.run.observer.done(stage.name, told)
+        found = stage.multiple(stage_parameters(stage, self.values)).of(stored)
+        for one in self.stages[self.stages.index(stage) + 1 :]:
+            named(one.foresee)(stage_parameters(one, self.values), stage.name, found)
+        with self.changed:
+            self.data[stage.name], self.records[stage.name] = found, record
+            self.changed.notify_all()

@@ -96,7 +96,7 @@ MELT = (
     _Lever("moisture", ("voids.moisture",), (0.5,)),
     _Lever("fiber length", ("fiber.half_length", "fiber.aspect_ratio"), (SHORTER,),
            costs="material"),
-    _Lever("fiber content", ("voids.fiber_content",), (LESS,), costs="material"),
+    _Lever("fiber content", ("interaction.volume_fraction",), (LESS,), costs="material"),
 )  # fmt: skip
 
 

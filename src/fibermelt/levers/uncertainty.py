@@ -22,9 +22,15 @@ LENGTH = 1.5
 """Factor of the aspect ratio: fibers in printed beads spread by about this around their mean."""
 
 
+NUCLEUS = "nucleus"
+
+RADII = (1e-7, 5e-6)
+"""Radii between which a nucleus is assumed [m], as in the table ``[voids]``."""
+
 BASIS = {
     "card": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
     "aspect ratio": f"computed: {LENGTH:g} times as long fibers, and as short ones",
+    NUCLEUS: "computed, on the void content: of 0.1 to 5 µm; the severity needs none",
 }
 
 PLANAR = (4 / 3, "stated: the wall's rate in a round nozzle, 8 U/d, over that in a slot, 6 U/W")
@@ -53,6 +59,7 @@ def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[st
         "aspect ratio": [
             {"fiber.aspect_ratio": max(1.0, aspect * factor)} for factor in (1 / LENGTH, LENGTH)
         ],
+        NUCLEUS: [{"voids.nucleus_radius": radius} for radius in RADII],
     }
 
 
@@ -87,8 +94,9 @@ def uncertainty_of(
         The cases of `doubts`, by what is doubted.
     """
     found: list[tuple[str, float | None, str]] = [
-        (name, _spread(base.fibers, [case.fibers for case in cases]), BASIS[name])
+        (name, _spread(of(base), [of(case) for case in cases]), BASIS[name])
         for name, cases in computed.items()
+        for of in (_content if name == NUCLEUS else _added,)
     ]
     error = voids["severity_error"]["fibers"]
     if base.fibers > 0.0 and error is not None:
@@ -99,9 +107,16 @@ def uncertainty_of(
         found.append(("plane against space", *PLANAR))
     if values["melt.law"] == "newtonian":
         found.append(("Newtonian against thinning", *THINNING))
-    found.append(("nucleus", 1.0, "none is needed; the void fraction rests on one"))
     ranked = sorted(found, key=lambda one: -(one[1] or 1.0))
     return [{"source": name, "factor": factor, "basis": basis} for name, factor, basis in ranked]
+
+
+def _added(case: Case) -> float:
+    return case.fibers
+
+
+def _content(case: Case) -> float:
+    return case.void_fraction
 
 
 def _spheroid(voids: Mapping[str, Any]) -> float | None:

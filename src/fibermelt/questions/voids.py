@@ -16,6 +16,7 @@ from fibermelt.parts.melt.cards import Card, load_card
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import SAME_TEMPERATURE, viscosity_of
 from fibermelt.parts.voids.answer import answered
+from fibermelt.parts.voids.bubbles import nuclei_of
 from fibermelt.parts.voids.config import Voids
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
 from fibermelt.parts.voids.part import with_orientation
@@ -102,8 +103,10 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
         keys=ASKED,
     )
     fed = STAGES + with_orientation({"study.parts": study.study.parts})
-    viscosity = viscosity_of(Parameters(study.values()))
-    found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
+    values = Parameters(study.values())
+    found = assess_bead(
+        dict.fromkeys(fed, results), viscosity_of(values), melt, usual.layers, nuclei_of(values)
+    )
     answer = _summary(found, results)
     is_as_run = math.isclose(melt.temperature, table.temperature or 0.0, rel_tol=SAME_TEMPERATURE)
     if is_other or not is_as_run:

@@ -195,6 +195,7 @@ def test_a_surface_under_the_bed_is_none() -> None:
         solve_deposition(_problem(bed_speed=0.19), COARSE)
 
 
+@pytest.mark.slow
 def test_a_start_does_not_carry_past_the_last_steady_surface() -> None:
     last = solve_deposition(_problem(bed_speed=0.186), COARSE)
     with pytest.raises(ConvergenceError, match="under the bed"):

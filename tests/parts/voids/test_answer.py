@@ -25,6 +25,7 @@ def told(**changes: Any) -> dict[str, str]:
         "severity": {"fibers": 0.0, "melt": 0.0},
         "by_basis": {"melt": safe, "bounds": safe, "spheroid": safe},
         "including_singular": safe,
+        "void_fraction": {"bead": None, "tips": None, "rest": None},
         "profile": layers,
         "streamlines": [{"near_singularity": False}] * 10,
         **changes,
@@ -82,6 +83,12 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
     assert "Most, 4, 1 mm above the bed, least, 0, at 2 mm" in said
     assert "0.50 times what they add on before" in said
     assert "sharp corner" not in said
+    assert "void content" not in said
+    content = {"bead": 0.012, "tips": 0.01, "rest": 0.002}
+    assert (
+        "void content of 1.2 % at the end of the swell, 1 % by the fibers"
+        in (told(**changes, void_fraction=content)[ADDED])
+    )
     lines = [{"near_singularity": k < 3} for k in range(10)]
     left = told(**changes, streamlines=lines)[ADDED]
     assert "Without the 3 of 10 streamlines, 30 % of the melt, that pass a sharp corner" in left

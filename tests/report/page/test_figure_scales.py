@@ -18,7 +18,7 @@ from suspended_fibers import oriented
 from fibermelt.report.kit.plates import Plate
 from fibermelt.report.page.figures import FIGURES
 
-pytestmark = pytest.mark.verification
+pytestmark = [pytest.mark.verification, pytest.mark.slow]
 
 CAPILLARY = 3e-3
 """Width of the capillary of the made-up bead [m]."""

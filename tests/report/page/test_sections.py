@@ -28,7 +28,7 @@ from fibermelt.parts.orientation.section import orientation
 from fibermelt.parts.orientation.summary import summarize_orientation
 from fibermelt.parts.verification.section import verification
 from fibermelt.parts.voids.answer import LABELS
-from fibermelt.parts.voids.figures import figure_voids
+from fibermelt.parts.voids.figures.where import figure_voids
 from fibermelt.parts.voids.section import voids
 from fibermelt.parts.voids.summary import summarize_voids, voids_in_words
 from fibermelt.report.kit.tables import fixed, number, percent, short, sized

@@ -1,4 +1,7 @@
-"""Files that a study names and that its results depend on: known again by what is in them."""
+"""Files that a study names and that its results depend on: known again by what is in them.
+
+And whether results are of such a file: it stands here so that a page loads none that reads fields.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,17 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import model_validator
 
 from fibermelt.engine.parameters import Section, setting
 from fibermelt.errors import ConfigError, legible_path
 
-__all__ = ["GivenFile", "fingerprint", "refuse_changed"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["GivenFile", "fingerprint", "is_given", "refuse_changed"]
 
 BLOCK = 1 << 20
 """Bytes that are read at a time."""
@@ -140,3 +146,8 @@ class GivenFile(Section):
         except ConfigError as error:
             msg = f"{cls.TABLE}.file = {error}; names are from the working directory"
             raise ValueError(msg) from error
+
+
+def is_given(lines: xr.Dataset) -> bool:
+    """Tell whether streamlines, or results with them, are paths of a flow from elsewhere."""
+    return "path_divergence" in lines

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from fibermelt.fields.paths import FieldPath, Seeds
     from fibermelt.history import FlowHistory
 
-__all__ = ["along_paths", "field_stage", "is_given", "paths_of", "stations", "stored_field"]
+__all__ = ["along_paths", "field_stage", "paths_of", "stations", "stored_field"]
 
 FIELD_VALUES = (
     "points",
@@ -44,11 +44,6 @@ FIELD_VALUES = (
 )
 FLAGS = ("field_near_wall", "field_near_edge", "field_cut")
 OPTIONAL = ("pressure", "viscosity", "temperature")
-
-
-def is_given(lines: xr.Dataset) -> bool:
-    """Tell whether streamlines, or results with them, are paths of a flow from elsewhere."""
-    return "path_divergence" in lines
 
 
 def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:

@@ -60,4 +60,5 @@ PART = Part(
         ),
     ),
     refuse=f"{HERE}.checks:refuse_sources",
+    notes=f"{HERE}.checks:flow_notes",
 )

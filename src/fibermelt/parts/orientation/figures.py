@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from fibermelt.parts.flow.figures.along import MARKS
 from fibermelt.parts.flow.figures.carpet import weave
 from fibermelt.parts.flow.figures.lines import Feature, features, line_word
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.summary import stored_model
 from fibermelt.report.kit.drawing import (

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.parts.flow.figures.lines import line_word
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.interaction.models import model_in_words
 from fibermelt.parts.orientation.figures import angle_from, tensors
 from fibermelt.parts.orientation.summary import stored_model

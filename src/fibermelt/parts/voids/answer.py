@@ -113,7 +113,7 @@ def _added(voids: Mapping[str, Any]) -> str:
         f"A growth exponent of {number(fibers, 2)}, on average, beside the melt’s own "
         f"{number(melt, 2)}: {_grown(fibers)}"
     )
-    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_left_out(voids)}"
+    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_content(voids)}{_left_out(voids)}"
 
 
 def _grown(exponent: float) -> str:
@@ -159,6 +159,17 @@ def _left_out(voids: Mapping[str, Any]) -> str:
     return (
         f" Without the {flagged} of {len(lines)} {word}, {_share(flagged / len(lines))} of the "
         f"melt, that pass a sharp corner{past} so closely that the mesh decides{felt}."
+    )
+
+
+def _content(voids: Mapping[str, Any]) -> str:
+    """Return the void content that nuclei of the assumed size and number come to."""
+    found = voids["void_fraction"]
+    if found["bead"] is None:
+        return ""
+    return (
+        " Nuclei of the size and number that are assumed make that a void content of "
+        f"{_share(found['bead'])} at the end of the swell, {_share(found['tips'])} by the fibers."
     )
 
 

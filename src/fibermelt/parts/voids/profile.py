@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fibermelt.parts.voids.bubbles import STATIONS, gas_share
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -86,6 +88,7 @@ def layer_profile(
             "void_layer_time_below": _hide(weights @ found["void_time_below"], empty),
             "void_layer_exponent": _hide(weights @ found["void_exponent"], empty),
             "void_layer_fiber_exponent": _hide(weights @ grown, empty),
+            **_contents("void_layer_content", found, weights, empty),
             "void_layer_moisture": _least(limit, weights),
         }
         for name, values in part.items():
@@ -117,6 +120,7 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
             "void_bead_mean_moisture": _hide(everything @ capped, empty),
             "void_bead_exponent": _hide(everything @ found["void_exponent"], empty),
             "void_bead_fiber_exponent": _hide(everything @ grown, empty),
+            **_contents("void_bead_content", found, everything, empty),
             "void_bead_share_below": _hide(
                 np.sum(found["void_margin"][chosen] < 0.0, axis=0)[None, :] / max(chosen.sum(), 1),
                 empty,
@@ -130,10 +134,31 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
     return stacked | {
         "void_selection": list(SELECTIONS),
         **_severity(found, regular),
+        **_fraction(*(stacked[f"void_bead_content{of}"][regularly] for of in ("", "_rest"))),
         "void_critical_moisture": stacked["void_bead_moisture"][regularly, basis.index("bounds")],
         "void_critical_moisture_mean": stacked["void_bead_mean_moisture"][
             regularly, basis.index(MOST_LIKELY)
         ],
+    }
+
+
+def _contents(
+    name: str, found: Mapping[str, Any], weights: Array, empty: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the void content of layers, with and without fibers: volumes of gas add up."""
+    return {
+        f"{name}{of}": _hide(gas_share(weights @ found[f"void_gas{of}"]), empty)
+        for of in ("", "_rest")
+    }
+
+
+def _fraction(content: Array, at_rest: Array) -> dict[str, float]:
+    """Return the void content of the bead at the end of the swell, and its parts."""
+    swell = STATIONS.index("swell")
+    return {
+        "void_fraction": content[swell],
+        "void_fraction_tips": content[swell] - at_rest[swell],
+        "void_fraction_rest": at_rest[swell],
     }
 
 

@@ -46,6 +46,10 @@ QUANTITIES = declared(
       "regular: without the streamlines that pass close by a sharp corner; all", swept="kept"),
     Q("void_layer", "void_layer", "m", "middle of the layer above the bed in the finished bead",
       swept="kept", kept_as="void_layer_middle", shown_in="mm"),
+    Q("void_station", "void_station", "1",
+      "when nuclei are told: at the end of the swell, which is zone 3 or the end of a path without "
+      "zones, and some time later on the bed", swept="kept"),
+    Q("void_step", "void_step", "1", "step of a nucleus in time; has no labels", stored=False),
     # The melt.
     Q("void_material", "", "1", "key of the material card"),
     Q("void_material_name", "", "1", "what the material is called"),
@@ -108,6 +112,18 @@ QUANTITIES = declared(
     Q("void_fiber_exponent", "streamline initial_angle", "1", "growth exponent on a fiber"),
     Q("void_fiber_exponent_error", "streamline initial_angle", "1",
       "by how much every second point has the exponent on a fiber otherwise"),
+    # Nuclei; NaN where the card has no diffusivity or no surface tension.
+    Q("void_radius", "streamline initial_angle void_station", "m",
+      "radius of a bubble at the tip of a fiber", shown_in="µm"),
+    Q("void_radius_error", "streamline initial_angle void_station", "1",
+      "estimated error of its logarithm, by the steps in time", relative=True),
+    Q("void_radius_rest", "streamline void_station", "m",
+      "radius of the same nucleus without a fiber, at the melt's own pressure", shown_in="µm"),
+    Q("void_radius_time", "streamline initial_angle void_step", "s", "times of a nucleus"),
+    Q("void_radius_along", "streamline initial_angle void_step", "m", "its radius at these"),
+    Q("void_gas", "streamline void_station", "1",
+      "volume of the bubbles at tips over that of melt and fibers, mean over the initial angles"),
+    Q("void_gas_rest", "streamline void_station", "1", "the same of nuclei without fibers"),
     # From the bed to the free surface; NaN in a layer of left out streamlines only.
     Q("void_layer_lowest_pressure", _LAYER, "Pa", "lowest absolute pressure of the layer"),
     Q("void_layer_mean_pressure", _LAYER, "Pa",
@@ -118,6 +134,10 @@ QUANTITIES = declared(
     Q("void_layer_exponent", _LAYER, "1", "growth exponent, mean by flux"),
     Q("void_layer_fiber_exponent", "void_selection void_layer", "1",
       "growth exponent on each fiber, mean by flux and over the initial angles"),
+    Q("void_layer_content", "void_selection void_layer void_station", "1",
+      "void content of the layer: share of gas in its volume", shown_in="%"),
+    Q("void_layer_content_rest", "void_selection void_layer void_station", "1",
+      "void content by the same nuclei without fibers", shown_in="%"),
     Q("void_layer_moisture", _LAYER, "1",
       "critical moisture of the layer; NaN too where no moisture that the polymer can hold "
       "suffices"),
@@ -135,6 +155,25 @@ QUANTITIES = declared(
     Q("void_bead_fiber_exponent", "void_selection", "1",
       "growth exponent on each fiber, mean by flux and over the initial angles; NaN if all are "
       "left out"),
+    # Speeds and moistures that go together; of melts whose stresses follow a power of the speed.
+    Q("void_limit_wider", "void_limit_wider", "1",
+      "how many times as wide a nucleus on a fiber becomes, on average"),
+    Q("void_limit_speed", "void_limit_speed", "1", "factor on all speeds of the flow"),
+    Q("void_limit_moisture", "void_limit_wider void_limit_speed", "1",
+      "moisture at which it becomes so wide, up to zone 3; NaN where no moisture that the polymer "
+      "can hold suffices, 0 under tension"),
+    Q("void_bead_content", "void_selection void_station", "1",
+      "void content: share of gas in the volume; NaN if all are left out", shown_in="%"),
+    Q("void_bead_content_rest", "void_selection void_station", "1",
+      "void content by the same nuclei without fibers; NaN if all are left out", shown_in="%"),
+    Q("void_fraction", "", "1",
+      "void content of the bead at the end of the swell, of nuclei of the assumed size and "
+      "number, but for singular streamlines", title="Void content", shown_in="%", response=True),
+    Q("void_fraction_rest", "", "1",
+      "what of it the same nuclei have without fibers, at the melt's own pressure",
+      title="Void content, melt alone", shown_in="%", response=True),
+    Q("void_fraction_tips", "", "1", "what of it fibers add at their tips",
+      title="Void content, added by fibers", shown_in="%", response=True),
     Q("severity_melt", "", "1",
       "growth exponent of the melt's own pressure, mean by flux over the streamlines that pass "
       "no sharp corner", title="Severity, melt alone", response=True),

@@ -15,9 +15,11 @@ from fibermelt.fiber.pressure import LocalViscosity, newtonian_viscosity, pressu
 from fibermelt.fiber.thinning_spheroid import unbounded_thinning_spheroid
 from fibermelt.melt import PowerLaw, ViscosityLaw
 from fibermelt.parts.bead.stages import stored_path
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
+from fibermelt.parts.voids.bubbles import STATIONS, bubbles, nuclei_of
+from fibermelt.parts.voids.limits import joint_limits
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 
     from fibermelt.fiber import SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
+    from fibermelt.parts.voids.bubbles import Nuclei
     from fibermelt.parts.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
 
@@ -61,11 +64,19 @@ def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
         density=parameters["melt.density"],
     )
     say(f"{100 * melt.moisture:g} % moisture in {melt.card.name}")
-    return assess_bead(inputs, viscosity_of(parameters), melt, voids["layers"])
+    return assess_bead(
+        inputs, viscosity_of(parameters), melt, voids["layers"], nuclei_of(parameters)
+    )
 
 
-def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: int) -> xr.Dataset:
-    """Return where in a bead voids can start.
+def assess_bead(
+    inputs: Inputs,
+    viscosity: Viscosity,
+    melt: MoistMelt,
+    layers: int,
+    nuclei: Nuclei | None = None,
+) -> xr.Dataset:
+    """Return where in a bead voids can start, and how far they grow.
 
     Parameters
     ----------
@@ -73,12 +84,14 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
         there are any; or for each of them the results that hold them all.
     viscosity : float, ViscosityLaw or LocalViscosity
-        Of the melt, for spheroids [Pa s].
+        Of the melt, for spheroids and bubbles [Pa s].
     melt : MoistMelt
         The moist melt.
     layers : int
         Number of layers of the profile over the bead's height; paths of a flow from elsewhere have
         no such profile.
+    nuclei : Nuclei, optional
+        What grows; by default nothing does.
 
     Returns
     -------
@@ -112,8 +125,18 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_fiber_time_below": fibers.time_below,
         **_exponents(lines, gauge, "void_exponent", vapor),
         **_exponents(lines, on_fibers, "void_fiber_exponent", vapor),
+        "void_station": list(STATIONS),
+        **bubbles(inputs, melt, viscosity, nuclei),
     }
     regular = lines["near_singularity"].to_numpy() == 0
+    arrays |= joint_limits(
+        lines["time"].to_numpy()[regular],
+        on_fibers[regular],
+        lines["viscosity"].to_numpy()[regular],
+        _settled(lines)[regular],
+        melt,
+        arrays["void_speed_exponent"],
+    )
     if not is_given(lines):  # others have no bed, and no layers over it
         arrays["void_height"] = lines["y"].to_numpy()[:, -1]
         arrays |= layer_profile(arrays, regular, layers)
@@ -202,10 +225,16 @@ def _exponents(lines: xr.Dataset, gauge: Array, name: str, vapor: float) -> dict
     From the inlet to zone 3, where the melt has the speed of the bed; on paths without zones to
     their end.
     """
-    settled = lines["zone_time"].to_numpy()[:, -1:] if "zone_time" in lines else np.inf
     time, viscosity = (lines[one].to_numpy()[:, None, :] for one in ("time", "viscosity"))
-    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, settled)
+    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, _settled(lines)[:, None])
     return {name: found.value, f"{name}_error": found.error}
+
+
+def _settled(lines: xr.Dataset) -> Array:
+    """Return when the melt of each streamline has the speed of the bed [s], or the path ends."""
+    if "zone_time" in lines:
+        return np.asarray(lines["zone_time"].to_numpy()[:, -1])
+    return np.asarray(lines["time"].to_numpy()[:, -1])
 
 
 def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fibermelt.engine.quantities import or_none
 from fibermelt.parts.voids.answer import LABELS, answered
+from fibermelt.parts.voids.bubbles import gas_share
 from fibermelt.parts.voids.profile import FELT
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.units import PERCENT, ZERO_CELSIUS
@@ -64,7 +65,9 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
         A critical moisture of 0 says that the melt is under tension: no drying helps.
         ``growth_exponent`` of a streamline is that on its fibers, over the initial angles;
         ``severity`` its mean by flux, of what fibers add and of the melt's own pressure, and
-        ``rest`` tells whether the melt boils in the air at rest.
+        ``rest`` tells whether the melt boils in the air at rest. ``void_fraction`` is the share of
+        gas at the end of the swell, ``void_fraction_on_bed`` that after the time on the bed: what
+        the same nuclei have without fibers is ``rest``, what fibers add to it ``tips``.
     """
     labels = [str(label) for label in results["void_basis"].to_numpy()]
     regular, everything = (_totals(results, selection) for selection in ("regular", "all"))
@@ -91,6 +94,7 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
             }
             for kind in ("", "_error")
         },
+        **_content(results.sel(void_selection="regular"), "bead"),
         "including_singular": everything.get(FELT, everything[BASIS]),
         "by_basis": {label: regular[label] for label in labels},
         "streamlines": _streamlines(results, labels),
@@ -109,6 +113,19 @@ def _rest(results: xr.Dataset) -> dict[str, Any]:
         "boils": bool(results["void_vapor_pressure"] > ATMOSPHERE),
         "boiling_moisture": or_none(results["void_boiling_moisture"]),
     }
+
+
+def _content(results: xr.Dataset, of: str) -> dict[str, dict[str, float | None]]:
+    """Return the void content of the bead or of a layer: in all, by tips, and without fibers."""
+    found = {}
+    for name, station in (("void_fraction", "swell"), ("void_fraction_on_bed", "bed")):
+        whole, alone = (
+            float(results[f"void_{of}_content{kind}"].sel(void_station=station))
+            for kind in ("", "_rest")
+        )
+        parts = {"bead": whole, "tips": whole - alone, "rest": alone}
+        found[name] = {part: or_none(value) for part, value in parts.items()}
+    return found
 
 
 def _totals(results: xr.Dataset, selection: str) -> dict[str, dict[str, float | None]]:
@@ -142,6 +159,7 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
         for name in ("lowest_pressure", "exponent")
     )
     fibers = results["void_fiber_exponent"].transpose("streamline", "initial_angle").to_numpy()
+    gas = results["void_gas"].sel(void_station="swell").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
@@ -159,6 +177,7 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
                 "highest": float(fibers[k].max()),
             },
             "exponent_by_basis": dict(zip(labels, map(float, exponent[k]), strict=True)),
+            "void_fraction": or_none(gas_share(gas[k])),
         }
         for k in range(results.sizes["streamline"])
     ]
@@ -193,6 +212,7 @@ def _layers(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
             "fiber_pressure": or_none(arrays["fiber_pressure"][k]),
             "mean_by_basis": dict(zip(labels, map(or_none, mean[k]), strict=True)),
             "severity": {"fibers": or_none(added[k]), "melt": or_none(own[k])},
+            **_content(results.isel(void_layer=k), "layer"),
         }
         for k in range(results.sizes["void_layer"])
     ]
@@ -217,7 +237,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     worst = worst_line(voids)
     if worst is None:
         word = "streamline" if voids["profile"] else "path"
-        lines.append(f"lowest local    not told: every {word} passes a sharp corner")
+        lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
     lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from fibermelt.paper.claims.section import counted, tally
 from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.flow.figures.lines import line_word
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.tables import fixed, number, short, sized
 from fibermelt.report.kit.templates import rendered

@@ -1,23 +1,15 @@
-"""A second process that draws figures beside the first: drawing is most of a page's time.
-
-``python -m fibermelt.report.page.hand`` takes pickled results and a folder from its input, then the
-names of figures, and answers each with a line when its files are written. A plain child process: it
-does not run the caller's script again, as those of multiprocessing do.
-"""
+"""A second process draws figures beside the first: drawing is most of a page's time."""
 
 from __future__ import annotations
 
-import os
-import pickle
-import subprocess
-import sys
 from collections import deque
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING
 
+from fibermelt.engine.helper import Helper, HelperLostError, helped
+from fibermelt.engine.stages import Say
 from fibermelt.report.kit.plates import Plate, draw_plates
 
 if TYPE_CHECKING:
@@ -28,7 +20,8 @@ __all__ = ["draw_with_help"]
 FEWEST = 4
 """Figures for which a second process is started: it takes about as long as two to be there."""
 
-DONE = b"drawn\n"
+_GIVEN: list[tuple[xr.Dataset, Path]] = []
+"""What the second process draws of and where to, given once: results are large."""
 
 
 def draw_with_help(
@@ -47,78 +40,40 @@ def draw_with_help(
     if hands < 2 or len(plates) < FEWEST:
         draw_plates(left, results, directory)
         return
-    with _helped(left, results, directory) as failed:
-        while left:
-            draw_plates([left.popleft()], results, directory)
+    failed: list[Plate] = []
+
+    def give(helper: Helper) -> None:
+        with suppress(HelperLostError):
+            helper.call(f"{__name__}:begin", results, directory)
+            while (plate := _taken(left.pop)) is not None:
+                failed.append(plate)
+                helper.call(f"{__name__}:draw_one", plate.name)
+                failed.clear()
+
+    with helped(give):
+        while (plate := _taken(left.popleft)) is not None:
+            draw_plates([plate], results, directory)
     # What the other could not draw tells here why.
     draw_plates(failed, results, directory)
 
 
-@contextmanager
-def _helped(left: deque[Plate], results: xr.Dataset, directory: Path) -> Iterator[list[Plate]]:
-    """Have a second process take figures from the end; yield those that it does not draw."""
-    failed: list[Plate] = []
-    process = subprocess.Popen(
-        [sys.executable, "-m", "fibermelt.report.page.hand"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        env={**os.environ, "OMP_NUM_THREADS": "1"},
-    )
-
-    def give() -> None:
-        asked: object = (results, directory)
-        plate: Plate | None = None
-        while _answered(process, asked):
-            try:
-                plate = left.pop()
-            except IndexError:
-                return
-            asked = plate.name
-        if plate is not None:
-            failed.append(plate)
-
-    giver = Thread(target=give, daemon=True)
-    giver.start()
+def _taken(take: Callable[[], Plate]) -> Plate | None:
+    """Return what is taken, None where the other process took the last one."""
     try:
-        yield failed
-        giver.join()
-    finally:
-        process.kill()
-        giver.join()
-        with suppress(OSError):
-            process.communicate()
+        return take()
+    except IndexError:
+        return None
 
 
-def _answered(process: subprocess.Popen[bytes], asked: object) -> bool:
-    """Ask a process for something, and tell whether it did it."""
-    assert process.stdin is not None
-    assert process.stdout is not None
-    try:
-        pickle.dump(asked, process.stdin)
-        process.stdin.flush()
-    except OSError:
-        return False
-    return process.stdout.readline() == DONE
+def begin(results: xr.Dataset, directory: Path, say: Say) -> None:
+    """Take what is to be drawn of, and where to, in the second process."""
+    _GIVEN[:] = [(results, directory)]
 
 
-def _main() -> None:
-    """Draw the figures that are named on the input."""
+def draw_one(name: str, say: Say) -> None:
+    """Draw a figure of the page in the second process."""
     from fibermelt.report.page.figures import FIGURES  # noqa: PLC0415  it imports this module
 
-    plates = {plate.name: plate for plate in FIGURES}
-    results, directory = pickle.load(sys.stdin.buffer)
-    with os.fdopen(os.dup(1), "wb") as output:
-        os.dup2(2, 1)
-        while True:
-            output.write(DONE)
-            output.flush()
-            try:
-                name = pickle.load(sys.stdin.buffer)
-            except EOFError:
-                return
-            draw_plates([plates[name]], results, directory)
-
-
-if __name__ == "__main__":
-    _main()
+    ((results, directory),) = _GIVEN
+    (plate,) = (plate for plate in FIGURES if plate.name == name)
+    draw_plates([plate], results, directory)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.sections import Section
 from fibermelt.report.page.endmatter import ENDMATTER
 from fibermelt.report.page.found import found

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from fibermelt.parts.bead.figures.spread import by_streamline, draw_fibers, draw_mean, spread_key
 from fibermelt.parts.flow.figures.lines import ZONES, at_corners, initial_angles, line_word, regular
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.style import (
     BAND,

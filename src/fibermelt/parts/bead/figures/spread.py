@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from fibermelt.parts.flow.figures.lines import initial_angles, named, regular
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.drawing import on_paper, spread_out
 from fibermelt.report.kit.scene import MPA
 from fibermelt.report.kit.style import BAND, INK, Array, key_mark

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fibermelt.engine.results import has_conditions_of_paper, study_of
-from fibermelt.parts.flow.imported import is_given
+from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 
 if TYPE_CHECKING:

@@ -83,8 +83,8 @@ def voids_words(results: xr.Dataset) -> Words:
             "less vapor pressure, in the colours of the first picture: red where a bubble can "
             "grow, a line where the two are equal; hatched, what is left out. "
             "(c) Lowest pressure that each streamline meets, mean by flux over layers of "
-            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
-            f"layer{out}. Pressures are absolute."
+            f"the finished bead{thick}. (d) Growth exponent: the logarithm of how much wider a "
+            f"nucleus becomes while moisture lasts, by layer{out}. Pressures are absolute."
         ),
         alt=(
             "Two maps of the bead and two profiles over its height. The pressure on fibers is "
@@ -122,7 +122,7 @@ def figure_voids(results: xr.Dataset) -> Figure:
     against.bar(bar)
     key_of_unjudged(bar, results)
     _profile(add_axes(figure, 14, 10, 96, CHARTS - 27), results)
-    _moisture(add_axes(figure, 128, 10, 59, CHARTS - 27), results)
+    _exponents(add_axes(figure, 128, 10, 59, CHARTS - 27), results)
     return figure
 
 
@@ -192,18 +192,17 @@ def _steps(
     axes.plot(np.repeat(layers, 2), np.repeat(edges, 2)[1:-1], color=color, lw=width, label=label)
 
 
-def _moisture(axes: Axes, results: xr.Dataset) -> None:
-    """Draw the critical moisture by layer, as bars between the mildest and the worst."""
+def _exponents(axes: Axes, results: xr.Dataset) -> None:
+    """Draw the growth exponents by layer, means by flux: the melt's own, and on fibers."""
     edges = _edges(results)
-    most = float(results["void_saturation_moisture"])
-    for basis, name, color in CURVES[:3]:
-        limit = _of_selected(results, "void_layer_moisture", "regular", basis)
-        there = ~np.isnan(_of_selected(results, "void_layer_mean_pressure", "regular", basis))
-        capped = np.where(there & np.isnan(limit), most, limit)
-        _steps(axes, PERCENT * capped, edges, color, 1.5, name)
+    for basis, name, color in (CURVES[0], CURVES[2]):
+        layers = _of_selected(results, "void_layer_exponent", "regular", basis)
+        _steps(axes, layers, edges, color, 1.5, name)
+    fibers = _selected(results, "void_layer_fiber_exponent", "regular").to_numpy()
+    _steps(axes, fibers, edges, INK, 1.5, "fibers")
     axes.set_ylim(edges[0], edges[-1])
     axes.set_xlim(left=-0.02 * axes.get_xlim()[1])
     axes.axvline(0.0, color=BAND, linewidth=0.6, zorder=0.5)
-    axes.set_xlabel("critical moisture [%]")
+    axes.set_xlabel("growth exponent, mean by flux")
     axes.tick_params(labelleft=False)
-    letter(axes, "d  no void below; 0: no drying helps")
+    letter(axes, "d  how far a nucleus grows")
