@@ -22,6 +22,10 @@ from fibermelt.engine.stages import Say
 __all__ = ["Helper", "HelperLostError", "helped"]
 
 
+def _silent(line: str) -> None:
+    """Take no note of a line."""
+
+
 class HelperLostError(Exception):
     """The second process is gone, or what it was asked for failed: do it here, to be told why."""
 
@@ -38,7 +42,7 @@ class Helper:
             env={**os.environ, "OMP_NUM_THREADS": "1"},
         )
 
-    def call(self, address: str, *arguments: object, say: Say = str) -> Any:
+    def call(self, address: str, *arguments: object, say: Say = _silent) -> Any:
         """Have a function called there, and return what it returns.
 
         Parameters
