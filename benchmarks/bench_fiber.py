@@ -138,14 +138,14 @@ def test_fiber_stage_against_the_papers_algorithm(
     newton_rate: float,
 ) -> None:
     """The chain's own: 22 x 13 trajectories, extremes at both locations, and where they are."""
-    middle = np.array([line.middle_time for line in lines])
+    zones = np.array([line.zone_time for line in lines])
     cell = fm.solve_cell(FIBER, domain_size=DOMAIN_SIZE)
     angles = fm.paper_angles()
 
     def stage() -> object:
         motion = fm.follow(path, cell.shape_factor, angles)
         pressure = fm.surface_pressure(path, cell.response, MU, motion)
-        return fm.extremes(path, pressure, motion, middle), pressure.where_lowest
+        return fm.extremes(path, pressure, motion, zones), pressure.where_lowest
 
     benchmark(stage)
     steps = path.time.size * angles.size

@@ -17,8 +17,8 @@ fiber = fm.Ellipse(half_length=42e-6, aspect_ratio=6.0)
 cell = fm.solve_cell(fiber, domain_size=4.0)  # Fig. 5-6
 motion = fm.follow(line.history, cell.shape_factor, fm.paper_angles())
 pressure = fm.surface_pressure(line.history, cell.response, problem.melt.viscosity, motion)
-found = fm.extremes(line.history, pressure, motion, line.middle_time)  # Fig. 16-19
-lowest = found.pressure[..., 0].min(axis=0)  # over the 13 initial angles, at Loc. 1 and Loc. 2
+found = fm.extremes(line.history, pressure, motion, line.zone_time)  # Fig. 16-19
+lowest = found.pressure[..., 1:, 0].min(axis=0)  # over the 13 initial angles, at Loc. 1 and Loc. 2
 print(
     f"lowest pressure on the fiber: {lowest[0] / 1e6:.2f} MPa in the nozzle, "
     f"{lowest[1] / 1e6:.2f} MPa in the bead"
@@ -34,7 +34,8 @@ figure, axes = plt.subplots(layout="constrained")
 axes.plot(line.history.time, (own + pressure.lowest / 1e6).T, color="0.7", lw=0.8)
 axes.plot(line.history.time, own + bound.lowest / 1e6, "k--", label="bound over every direction")
 axes.plot(line.history.time, own, label="the melt's own")
-axes.axvline(line.middle_time, color="0.5", ls=":", label="middle of the capillary")
+for zone in line.zone_time:
+    axes.axvline(zone, color="0.5", ls=":")  # the capillary, from 1 to 2, and the swell, to 3
 axes.set(xlabel="time since the inlet [s]", ylabel="pressure above the air's [MPa]")
 axes.legend()
 plt.show()

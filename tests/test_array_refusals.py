@@ -82,18 +82,18 @@ def spatial(time: object, gradient: object) -> SimpleNamespace:
 
 TIMED: dict[str, Case] = {
     "FlowHistory time": (lambda t: history(time=t), HISTORY.time),
-    "extremes middle_time": (lambda t: fm.extremes(HISTORY, PRESSURE, MOTION, t), np.array(1.0)),
-    "extreme_bounds middle_time": (
+    "extremes zone_time": (lambda t: fm.extremes(HISTORY, PRESSURE, MOTION, t), TIMES),
+    "extreme_bounds zone_time": (
         lambda t: fiber.extreme_bounds(HISTORY, BOUNDS, t),
-        np.array(1.0),
+        TIMES,
     ),
-    "isotropic_pressure middle_time": (
+    "isotropic_pressure zone_time": (
         lambda t: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, t),
-        np.array(1.0),
+        TIMES,
     ),
-    "FiberModel.isotropic_pressure middle_time": (
+    "FiberModel.isotropic_pressure zone_time": (
         lambda t: MODEL.isotropic_pressure(HISTORY, 817.0, t),
-        np.array(1.0),
+        TIMES,
     ),
     "tumble time": (lambda t: fm.tumble(RESPONSE, 1.0, 817.0, t), TIMES),
     "angle_to_stream_at times": (lambda t: fiber.angle_to_stream_at(HISTORY, MOTION, t), TIMES),
@@ -141,7 +141,7 @@ PLAIN: dict[str, Case] = {
     "FlowField.locate xy": (FIELD.locate, np.array([[0.2, 0.2]])),
     "follow initial_angles": (lambda x: fm.follow(HISTORY, 0.9, x), TIMES),
     "isotropic_pressure levels": (
-        lambda x: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, 1.0, 20, x),
+        lambda x: fiber.isotropic_pressure(HISTORY, RESPONSE, 817.0, None, 20, x),
         HALF,
     ),
     "follow_directors directions": (
@@ -344,7 +344,7 @@ KINDS: dict[str, tuple[Callable[[np.ndarray], object], str]] = {
 def test_what_is_no_number_is_refused(name: str, kind: str) -> None:
     call, good = (TIMED | PLAIN)[name]
     spoil, said = KINDS[kind]
-    optional = name in {"ellipsoid_field axes", "steady_state start"} or "middle_time" in name
+    optional = name in {"ellipsoid_field axes", "steady_state start"} or "zone_time" in name
     if kind == "nothing" and optional:
         return
     with pytest.raises(fm.FibermeltError, match=said):

@@ -141,7 +141,7 @@ def test_a_motion_along_another_path_of_equal_length(name):
     pressure = fm.surface_pressure(HISTORY, RESPONSE, 817.0, MOTION)
     for call in (
         lambda: fm.surface_pressure(other, RESPONSE, 817.0, MOTION),
-        lambda: fm.extremes(other, pressure, MOTION, 1.0),
+        lambda: fm.extremes(other, pressure, MOTION),
         lambda: fiber.angle_to_stream(other, MOTION),
         lambda: fiber.angle_to_stream_at(other, MOTION, [1.0]),
     ):

@@ -17,8 +17,8 @@ LINE = Streamline(
     stream_function=np.zeros(5),
     gradient_error=np.full(5, 0.25),
     drift=0.0,
+    corner_distance=np.full(5, 1e-4),
     near_singularity=True,
-    middle_time=1.0,
     zone_time=np.zeros(3),
 )
 

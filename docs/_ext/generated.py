@@ -176,6 +176,13 @@ def closures() -> str:
     return _table(("closure", "meant for", "source"), rows)
 
 
+def glossary() -> str:
+    """Return the words of pages and pictures with what they stand for, as the reports do."""
+    from fibermelt.report.kit.glossary import TERMS  # noqa: PLC0415  lazy, as in parameters
+
+    return "\n".join(f"{_text(term.name)}\n: {_text(term.meaning)}\n" for term in TERMS)
+
+
 def bibliography() -> str:
     """Return every source, as the report writes it."""
     from fibermelt.report.page.sources import read_sources, written  # noqa: PLC0415  lazy
@@ -210,6 +217,7 @@ GENERATED: Mapping[str, Callable[[], str]] = {
     "bibliography": bibliography,
     "closures": closures,
     "commands": commands,
+    "glossary": glossary,
     "materials": materials,
     "names": names,
     "parameters": parameters,

@@ -233,6 +233,16 @@ def test_every_study_and_card_on_a_page_is_valid(
     assert count >= 6
 
 
+def test_the_printers_page_quotes_what_validate_tells() -> None:
+    told = {name: load_study(name).config.notes() for name in ("pellet", "filament")}
+    quoted = [text for where, text in blocks("text") if "printer" in where]
+    assert len(quoted) == 2
+    for notes, text in zip(told.values(), quoted, strict=True):
+        for line in re.split(r"^note +", text, flags=re.M)[1:]:
+            assert " ".join(line.split()) in notes
+    assert " ".join(quoted[0].split()).count("note ") == len(told["pellet"])
+
+
 def test_what_is_generated_is_all_there(extension: Any) -> None:
     generated = extension("generated")
     asked = set()

@@ -36,6 +36,7 @@ PAGES = [
         "docs/tutorial.md",
         "docs/sweeps.md",
         "docs/howto/melts.md",
+        "docs/howto/printer.md",
         "docs/howto/voids.md",
     )
 ]

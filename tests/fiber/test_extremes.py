@@ -27,6 +27,7 @@ from fibermelt.history import FlowHistory, simple_shear
 FEW = examples(25)  # each builds a table or a chain of arrays
 RESPONSE = unbounded_ellipse(Ellipse(42e-6, 6.0))
 MU = 817.0
+ZONES = (1.0, 1.5, 2.2)  # when the zones are reached, of three seconds
 TABLE = 1e-7  # ten times the support table's tolerance, over the largest pressure
 
 
@@ -102,8 +103,8 @@ def test_pressures_are_proportional_to_the_viscosity(mu: float) -> None:
     assert other.highest == pytest.approx(mu * one.highest, rel=1e-12)
 
 
-@given(st.integers(0, 10_000), st.floats(-np.pi, np.pi), st.floats(0.2, 2.8))
-def test_every_fiber_lies_between_the_bounds(seed: int, start: float, middle: float) -> None:
+@given(st.integers(0, 10_000), st.floats(-np.pi, np.pi), st.floats(0.2, 1.8))
+def test_every_fiber_lies_between_the_bounds(seed: int, start: float, first: float) -> None:
     history = wandering(seed)
     motion, pressure = chain(history, np.array([start, start + 1.0]))
     bounds = pressure_bounds(history, RESPONSE, MU)
@@ -112,8 +113,9 @@ def test_every_fiber_lies_between_the_bounds(seed: int, start: float, middle: fl
     assert np.all(pressure.lowest <= bounds.mildest_lowest + room)
     assert np.all(pressure.highest <= bounds.highest + room)
     assert np.all(pressure.highest >= bounds.mildest_highest - room)
-    found = extremes(history, pressure, motion, middle)
-    sides = extreme_bounds(history, bounds, middle)
+    zones = (first, first + 0.3, first + 1.0)
+    found = extremes(history, pressure, motion, zones)
+    sides = extreme_bounds(history, bounds, zones)
     assert np.all(found.value >= sides[..., 0] - room.max())
     assert np.all(found.value <= sides[..., 1] + room.max())
 
@@ -132,24 +134,25 @@ def test_some_orientation_reaches_each_bound() -> None:
 def test_extremes_are_where_they_say() -> None:
     history = wandering(3)
     motion, pressure = chain(history, paper_angles())
-    found = extremes(history, pressure, motion, 1.0)
-    assert found.value.shape == (13, 2, 2)
-    assert np.all(found.time[:, 0] < 1.0)
-    assert np.all(found.time[:, 1] >= 1.0)
-    before = history.time < 1.0
-    assert found.value[:, 0, 0] == pytest.approx(pressure.lowest[:, before].min(axis=1))
-    assert found.value[:, 1, 1] == pytest.approx(pressure.highest[:, ~before].max(axis=1))
+    found = extremes(history, pressure, motion, ZONES)
+    assert found.value.shape == (13, 3, 2)
+    before = history.time <= ZONES[0]
+    swell = (history.time >= ZONES[1]) & (history.time <= ZONES[2])
+    for place, here in enumerate((before | True, before, swell)):
+        assert found.value[:, place, 0] == pytest.approx(pressure.lowest[:, here].min(axis=1))
+        assert found.value[:, place, 1] == pytest.approx(pressure.highest[:, here].max(axis=1))
+        assert np.all(here[found.index[:, place]])
     assert found.x == pytest.approx(np.sin(found.time))
     assert found.y == pytest.approx(-np.cos(found.time))
     assert found.pressure == pytest.approx(found.value + 1e5 * np.cos(found.time))
-    fiber = np.take_along_axis(motion.angle, found.index.reshape(13, 4), axis=1).reshape(13, 2, 2)
+    fiber = np.take_along_axis(motion.angle, found.index.reshape(13, 6), axis=1).reshape(13, 3, 2)
     stream = history.direction[found.index]
     assert np.sin(found.angle - fiber + stream) == pytest.approx(0.0, abs=1e-12)
-    phase = np.take_along_axis(pressure.phase, found.index.reshape(13, 4), axis=1)
+    phase = np.take_along_axis(pressure.phase, found.index.reshape(13, 6), axis=1)
     point = RESPONSE.curve.point(found.where)
     amplitude = pressure.amplitude[found.index]
-    seen = np.cos(phase.reshape(13, 2, 2)) * point[..., 0]
-    seen += np.sin(phase.reshape(13, 2, 2)) * point[..., 1]
+    seen = np.cos(phase.reshape(13, 3, 2)) * point[..., 0]
+    seen += np.sin(phase.reshape(13, 3, 2)) * point[..., 1]
     assert amplitude * seen == pytest.approx(found.value, abs=TABLE * np.abs(found.value).max())
 
 
@@ -157,28 +160,28 @@ def test_statistics_over_the_initial_angles() -> None:
     histories = [wandering(seed) for seed in range(3)]
     bundle = FlowHistory.stack(histories)
     motion, pressure = chain(bundle, paper_angles())
-    middle = np.array([1.0, 1.5, 2.0])
-    found = extremes(bundle, pressure, motion, middle)
-    assert found.value.shape == (3, 13, 2, 2)
+    zones = np.linspace(ZONES, np.add(ZONES, 0.5), 3)
+    found = extremes(bundle, pressure, motion, zones)
+    assert found.value.shape == (3, 13, 3, 2)
     numbers = statistics(found)
     assert numbers.mean == pytest.approx(found.value.mean(axis=1))
     assert np.all(numbers.lowest <= numbers.median)
     assert np.all(numbers.median <= numbers.highest)
     for k, history in enumerate(histories):
         single_motion, single = chain(history, paper_angles())
-        alone = extremes(history, single, single_motion, float(middle[k]))
+        alone = extremes(history, single, single_motion, zones[k])
         assert found.value[k] == pytest.approx(alone.value, rel=1e-7)
         assert numbers.x[k] == pytest.approx(alone.x.mean(axis=0))
 
 
 def test_isotropic_quantiles() -> None:
     bundle = FlowHistory.stack([wandering(seed, 40) for seed in range(2)])
-    middle = np.array([1.0, 2.0])
-    found = isotropic_pressure(bundle, RESPONSE, MU, middle, 20_000)
+    zones = np.linspace(ZONES, np.add(ZONES, 0.5), 2)
+    found = isotropic_pressure(bundle, RESPONSE, MU, zones, 20_000)
     bounds = pressure_bounds(bundle, RESPONSE, MU)
-    sides = extreme_bounds(bundle, bounds, middle)
+    sides = extreme_bounds(bundle, bounds, zones)
     assert found.lowest.shape == (2, 40, 3)
-    assert found.extremes.shape == (2, 2, 2, 3)
+    assert found.extremes.shape == (2, 3, 2, 3)
     for quantiles in (found.lowest, found.highest, found.extremes):
         assert np.all(np.diff(quantiles, axis=-1) >= 0.0)
     assert np.all(found.lowest >= bounds.lowest[..., None] * (1.0 + TABLE))
@@ -200,8 +203,11 @@ def test_bad_input() -> None:
     motion, pressure = chain(history, paper_angles())
     with pytest.raises(ConfigError, match="viscosity = 0"):
         surface_pressure(history, RESPONSE, 0.0, motion)
-    for middle in (0.0, 4.0):
-        with pytest.raises(ConfigError, match="both sides"):
-            extremes(history, pressure, motion, middle)
+    with pytest.raises(ConfigError, match="point up to zone 1"):
+        extremes(history, pressure, motion, (-1.0, 1.0, 2.0))
+    with pytest.raises(ConfigError, match="point from zone 2 to zone 3"):
+        extremes(history, pressure, motion, (1.0, 1.5, 1.5 - 1e-9))
+    with pytest.raises(ConfigError, match=r"zone_time has shape \(\): .* 3 zones"):
+        extremes(history, pressure, motion, 1.0)
     with pytest.raises(ConfigError, match="quantile levels"):
-        isotropic_pressure(history, RESPONSE, MU, 1.0, levels=(0.5, 1.5))
+        isotropic_pressure(history, RESPONSE, MU, ZONES, levels=(0.5, 1.5))

@@ -116,7 +116,7 @@ def test_a_turned_plane_turns_the_answers(seed: int) -> None:
     space = spatial_bounds(turned, SPHEROID, VISCOSITY)
     for name in ("lowest", "highest", "mildest_lowest", "mildest_highest"):
         assert getattr(space, name) == pytest.approx(getattr(plane, name), abs=1e-7 * size)
-    first, second = extremes(flat, here, one, 0.7), extremes(turned, there, two, 0.7)
+    first, second = extremes(flat, here, one), extremes(turned, there, two)
     assert second.value == pytest.approx(first.value, abs=1e-7 * size)
     # seen from the streamline, which is in the plane of the flow: over the elevation's cosine
     p = one.direction

@@ -37,7 +37,7 @@ FOLLOWED = 2e-8  # two ways through the same path, each to 1e-8 rad
 
 EXTENSION = np.diag([1.0, -1.0])
 VISCOSITY = 817.0
-MIDDLE = 0.7
+ZONES = (0.6, 0.8, 1.2)
 
 
 def winding(scale: float = 1.0) -> FlowHistory:
@@ -126,7 +126,7 @@ def test_in_the_plane_a_spheroid_turns_like_an_ellipse() -> None:
     scale = pressure_bounds(path, section, VISCOSITY).highest
     assert np.all(np.abs(one.lowest - two.lowest) <= TABLE * scale)
     assert np.all(np.abs(one.highest - two.highest) <= TABLE * scale)
-    first, second = extremes(path, one, planar, MIDDLE), extremes(path, two, spatial, MIDDLE)
+    first, second = extremes(path, one, planar, ZONES), extremes(path, two, spatial, ZONES)
     assert np.array_equal(first.index, second.index)
     # the two ends of the range are one place
     assert np.sin(first.where - second.where) == pytest.approx(0.0, abs=1e-7)
@@ -153,8 +153,8 @@ def test_extremes_in_space_lie_within_the_bounds() -> None:
     ):
         assert np.all(values <= slack * worst[:, None])
         assert np.all(slack * values >= mildest[:, None])
-    found = extremes(path, pressure, motion, np.array([MIDDLE, MIDDLE]))
-    assert found.value.shape == (2, 40, 2, 2)
+    found = extremes(path, pressure, motion, [ZONES, ZONES])
+    assert found.value.shape == (2, 40, 3, 2)
     assert np.all(np.abs(found.where) <= 0.5 * np.pi)
 
 
@@ -174,12 +174,9 @@ def test_pressures_are_linear_in_viscosity() -> None:
 @pytest.mark.parametrize("name", ["ellipse", "spheroid"])
 def test_isotropic_quantiles_are_linear_in_viscosity_and_ordered(name: str) -> None:
     model, path = unbounded_model(name, Ellipse(1.0, 6.0)), FlowHistory.stack([winding()])
-    one, two = (
-        model.isotropic_pressure(path, viscosity, np.array([MIDDLE]), 30)
-        for viscosity in (1.0, 2.0)
-    )
+    one, two = (model.isotropic_pressure(path, viscosity, [ZONES], 30) for viscosity in (1.0, 2.0))
     assert one.lowest.shape == (1, 161, 3)
-    assert one.extremes.shape == (1, 2, 2, 3)
+    assert one.extremes.shape == (1, 3, 2, 3)
     for field in ("lowest", "highest", "extremes"):
         assert getattr(two, field) == pytest.approx(2.0 * getattr(one, field), rel=ROUNDING)
         assert np.all(np.diff(getattr(one, field), axis=-1) >= 0.0)
@@ -190,9 +187,9 @@ def test_isotropic_spheroids_are_those_that_are_followed() -> None:
     path, whole, start = winding(), spheroid(), equal_area_directions(50)
     motion = follow_spatial(path, whole.shape_factor, start)
     pressure = spatial_pressure(path, whole, VISCOSITY, motion)
-    value = extremes(path, pressure, motion, MIDDLE).value
+    value = extremes(path, pressure, motion, ZONES).value
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
-    found = model.isotropic_pressure(path, VISCOSITY, MIDDLE, 50, (0.1, 0.9))
+    found = model.isotropic_pressure(path, VISCOSITY, ZONES, 50, (0.1, 0.9))
     scale = INTERPOLATED * pressure.highest.max()
     for one, values in (
         (found.lowest, pressure.lowest),
@@ -207,8 +204,8 @@ def test_isotropic_in_space_is_milder_than_in_the_plane() -> None:
     """Fibers out of the plane see less of it: the median of the lowest pressure is less deep."""
     path = FlowHistory.stack([winding()])
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
-    space = model.isotropic_pressure(path, 1.0, np.array([MIDDLE]), 200)
-    plane = confined_model(model.response).isotropic_pressure(path, 1.0, np.array([MIDDLE]), 200)
+    space = model.isotropic_pressure(path, 1.0, [ZONES], 200)
+    plane = confined_model(model.response).isotropic_pressure(path, 1.0, [ZONES], 200)
     assert np.all(space.extremes[0, :, 0, 1] > plane.extremes[0, :, 0, 1])
 
 
@@ -255,23 +252,23 @@ def test_what_is_refused() -> None:
         follow_spatial(winding(), 0.9, np.array([[1.0, 1.0, 0.0]]))
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
     with pytest.raises(ConfigError, match="quantile levels"):
-        model.isotropic_pressure(winding(), 1.0, MIDDLE, 10, (0.5, 1.5))
+        model.isotropic_pressure(winding(), 1.0, ZONES, 10, (0.5, 1.5))
     motion = follow_spatial(winding(), 0.9, half_sphere(3))
     with pytest.raises(ConfigError, match=r"melt\.viscosity = -1 Pa s"):
         spatial_pressure(winding(), spheroid(), -1.0, motion)
 
 
 @pytest.mark.parametrize("name", ["ellipse", "spheroid"])
-def test_one_middle_time_for_all_paths(name: str) -> None:
+def test_zones_of_all_paths_at_once(name: str) -> None:
     model = unbounded_model(name, Ellipse(1.0, 6.0))
     paths = FlowHistory.stack([winding(), winding()])
-    one = model.isotropic_pressure(paths, VISCOSITY, MIDDLE, 10)
-    each = model.isotropic_pressure(paths, VISCOSITY, np.array([MIDDLE, MIDDLE]), 10)
+    one = model.isotropic_pressure(paths, VISCOSITY, ZONES, 10)
+    each = model.isotropic_pressure(paths, VISCOSITY, [ZONES, ZONES], 10)
     assert np.array_equal(one.extremes, each.extremes)
 
 
-def test_middle_times_of_other_paths() -> None:
+def test_zones_of_other_paths() -> None:
     model = unbounded_model("spheroid", Ellipse(1.0, 6.0))
     paths = FlowHistory.stack([winding(), winding()])
-    with pytest.raises(ConfigError, match="middle_time has 3 values for 2 paths"):
-        model.isotropic_pressure(paths, VISCOSITY, np.full(3, MIDDLE))
+    with pytest.raises(ConfigError, match=r"zone_time has shape \(3, 3\): .* \(2, 3\)"):
+        model.isotropic_pressure(paths, VISCOSITY, [ZONES] * 3)

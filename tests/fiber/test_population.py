@@ -25,6 +25,7 @@ from fibermelt.history import FlowHistory
 
 FEW = examples(15)  # each follows fibers
 MU = 817.0
+ZONES = (1.0, 1.5, 2.2)  # when the zones are reached, of three seconds
 LEVELS = (0.05, 0.5, 0.95)
 COUNT = 200
 NEAREST = np.pi / FINE + 1e-8  # of the largest: the nearest phase, and the support's table
@@ -79,8 +80,8 @@ def test_they_are_those_of_fibers_that_are_followed(seed: int, name: str) -> Non
     path, response = history(seed), RESPONSES[name]
     motion = follow(path, response.shape_factor, isotropic_angles(COUNT))
     pressure = surface_pressure(path, response, MU, motion)
-    value = extremes(path, pressure, motion, 1.5).value
-    found = isotropic_pressure(path, response, MU, 1.5, COUNT, LEVELS)
+    value = extremes(path, pressure, motion, ZONES).value
+    found = isotropic_pressure(path, response, MU, ZONES, COUNT, LEVELS)
     room = NEAREST * pressure_bounds(path, response, MU).highest.max()
     for one, values in (
         (found.lowest, pressure.lowest),
@@ -100,7 +101,7 @@ def test_extension_in_closed_form(level: float, count: int) -> None:
     """Stretched along x the phase is -2 theta, and tan(theta) falls as exp(-2 xi rate t)."""
     response, path = RESPONSES["ellipse"], extension(2.0, 1.2)
     pull = np.exp(-2.0 * response.shape_factor * 2.0 * path.time)
-    found = isotropic_pressure(path, response, MU, 0.6, count, (1.0 - level, level))
+    found = isotropic_pressure(path, response, MU, None, count, (1.0 - level, level))
     room = NEAREST * 2.0 * MU * response.support.largest
 
     def phases(share: float) -> np.ndarray:
@@ -125,7 +126,7 @@ def test_the_share_below_is_what_is_counted_among_many() -> None:
     many, path, response = 20_000, history(7), RESPONSES["ellipse"]
     motion = follow(path, response.shape_factor, isotropic_angles(many))
     highest = surface_pressure(path, response, MU, motion).highest
-    found = isotropic_pressure(path, response, MU, 1.5, COUNT, LEVELS)
+    found = isotropic_pressure(path, response, MU, ZONES, COUNT, LEVELS)
     room = NEAREST * pressure_bounds(path, response, MU).highest
     for k, level in enumerate(LEVELS):
         below = np.mean(highest < found.highest[:, k] - room, axis=0)
@@ -135,10 +136,10 @@ def test_the_share_below_is_what_is_counted_among_many() -> None:
 
 def test_the_error_falls_with_the_count_and_is_what_is_estimated() -> None:
     response, path = RESPONSES["ellipse"], history(3)
-    exact = isotropic_pressure(path, response, MU, 1.5, 40_000).extremes
+    exact = isotropic_pressure(path, response, MU, None, 40_000).extremes
     errors, estimates = [], []
     for count in (100, 1000, 10_000):
-        found = isotropic_pressure(path, response, MU, 1.5, count)
+        found = isotropic_pressure(path, response, MU, None, count)
         errors.append(np.mean(np.abs(found.extremes - exact)))
         estimates.append(np.mean(found.extremes_error))
     # the order is one: a quantile is off by what lies to the next fiber; a third is left for luck
@@ -149,24 +150,26 @@ def test_the_error_falls_with_the_count_and_is_what_is_estimated() -> None:
 
 def test_a_circle_has_one_pressure() -> None:
     path, circle = history(1), unbounded_ellipse(Ellipse(1.0, 1.0))
-    found = isotropic_pressure(path, circle, MU, 1.5)
+    found = isotropic_pressure(path, circle, MU, ZONES)
     bounds = pressure_bounds(path, circle, MU)
     for k in range(3):
         assert found.highest[:, k] == pytest.approx(bounds.highest, rel=1e-12)
         assert found.lowest[:, k] == pytest.approx(bounds.lowest, rel=1e-12)
-    before = path.time < 1.5
-    assert found.extremes[0, 1] == pytest.approx(bounds.highest[before].max(), rel=1e-12)
-    assert found.extremes[1, 0] == pytest.approx(bounds.lowest[~before].min(), rel=1e-12)
+    before = path.time <= ZONES[0]
+    swell = (path.time >= ZONES[1]) & (path.time <= ZONES[2])
+    assert found.extremes[0, 1] == pytest.approx(bounds.highest.max(), rel=1e-12)
+    assert found.extremes[1, 1] == pytest.approx(bounds.highest[before].max(), rel=1e-12)
+    assert found.extremes[2, 0] == pytest.approx(bounds.lowest[swell].min(), rel=1e-12)
     assert found.extremes_error == pytest.approx(0.0, abs=1e-12 * bounds.highest.max())
 
 
 def test_paths_do_not_notice_each_other() -> None:
     paths, response = [history(seed) for seed in range(5)], RESPONSES["ellipse"]
-    middle = np.linspace(1.0, 2.0, 5)
-    whole = isotropic_pressure(FlowHistory.stack(paths), response, MU, middle)
+    zones = np.linspace(ZONES, np.add(ZONES, 0.5), 5)
+    whole = isotropic_pressure(FlowHistory.stack(paths), response, MU, zones)
     room = 1e-9 * np.abs(whole.lowest).max()
     for k, path in enumerate(paths):
-        alone = isotropic_pressure(path, response, MU, middle[k])
+        alone = isotropic_pressure(path, response, MU, zones[k])
         for name in ("lowest", "highest", "extremes", "extremes_error"):
             assert getattr(alone, name) == pytest.approx(getattr(whole, name)[k], abs=room)
 
@@ -179,7 +182,7 @@ def test_fibers_beyond_all_measure_of_alignment(angle: float) -> None:
     Q = np.array([[c, -s], [s, c]])
     plane = path.position[:, :2]
     path = FlowHistory(path.time, plane, plane, Q @ path.plane_gradient @ Q.T, path.pressure)
-    found = isotropic_pressure(path, response, MU, 150.0)
+    found = isotropic_pressure(path, response, MU, None)
     aligned = 3.0 * MU * response.support(np.array([np.pi, 0.0]))
     room = NEAREST * 3.0 * MU * response.support.largest
     assert found.lowest[-1] == pytest.approx(np.full(3, -aligned[0]), abs=room)
@@ -187,7 +190,7 @@ def test_fibers_beyond_all_measure_of_alignment(angle: float) -> None:
 
 
 def test_a_melt_at_rest_presses_on_no_fiber() -> None:
-    found = isotropic_pressure(extension(0.0, 1.0), RESPONSES["ellipse"], MU, 0.5)
+    found = isotropic_pressure(extension(0.0, 1.0), RESPONSES["ellipse"], MU, None)
     assert not np.any(found.lowest)
     assert not np.any(found.highest)
     assert not np.any(found.extremes)
@@ -196,4 +199,4 @@ def test_a_melt_at_rest_presses_on_no_fiber() -> None:
 @pytest.mark.parametrize("count", [0, -3, 2.5, True])
 def test_no_count_of_fibers(count: object) -> None:
     with pytest.raises(ConfigError, match=r"count = .*: must be a whole number of at least 1"):
-        isotropic_pressure(history(1), RESPONSES["ellipse"], MU, 1.5, count)  # type: ignore[arg-type]
+        isotropic_pressure(history(1), RESPONSES["ellipse"], MU, None, count)  # type: ignore[arg-type]

@@ -150,7 +150,7 @@ NUMBERS: dict[str, tuple[Call, str]] = {
     ),
     "pressure_bounds": (lambda x: fiber.pressure_bounds(HISTORY, PLANE, x), "melt.viscosity"),
     "isotropic_pressure": (
-        lambda x: fiber.isotropic_pressure(HISTORY, PLANE, x, 0.5),
+        lambda x: fiber.isotropic_pressure(HISTORY, PLANE, x, None),
         "melt.viscosity",
     ),
     "angle_to_stream_at": (

@@ -10,7 +10,7 @@ import pytest
 from fibermelt.errors import ConvergenceError
 from fibermelt.flow.deposition import FlowSolution, solve_deposition
 from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
-from fibermelt.flow.streamlines import Streamline
+from fibermelt.flow.streamlines import NEAR_SINGULARITY, Streamline
 from fibermelt.melt import Newtonian
 from fibermelt.verify.flow import line_flux
 
@@ -106,8 +106,23 @@ def test_streamlines_are_ordered_and_slow_at_the_edges(
     assert paper_lines[0].near_singularity
     assert not paper_lines[9].near_singularity
     for line in paper_lines:
-        times = [line.zone_time[0], line.middle_time, line.zone_time[1], line.zone_time[2]]
-        assert np.all(np.diff(times) > 0)
+        assert np.all(np.diff(line.zone_time) > 0)
+
+
+def test_distances_from_lips_entrance_corners_and_contact(
+    paper_flow: FlowSolution, paper_lines: tuple[Streamline, ...]
+) -> None:
+    nozzle, contact = paper_flow.problem.nozzle, np.array([paper_flow.contact_point, 0.0])
+    right = np.array([[0.5 * nozzle.capillary_width, y] for y in (3e-3, 9e-3)])
+    corners = [*right, *(right * [-1, 1]), contact]
+    for line in paper_lines:
+        place = line.history.position[:, :2]
+        away = np.min([np.linalg.norm(place - corner, axis=1) for corner in corners], axis=0)
+        assert line.corner_distance == pytest.approx(away, rel=1e-12)
+        assert line.near_singularity == (away.min() < NEAR_SINGULARITY * nozzle.capillary_width)
+    # The first line comes nearer to the contact than to any part of the nozzle.
+    nearest = paper_lines[0].history.position[np.argmin(paper_lines[0].corner_distance), :2]
+    assert np.linalg.norm(nearest - contact) < 1e-4
 
 
 def test_gradient_error_is_stated_where_it_is_large(paper_lines: tuple[Streamline, ...]) -> None:

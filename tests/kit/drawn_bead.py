@@ -94,7 +94,9 @@ def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
     """Return a bead with what its voids part finds."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt(load_card("paper"), moisture=0.0004, temperature=503.15)
-    bare = bead.drop_vars([name for name in bead.variables if str(name).startswith("void_")])
+    bare = bead.drop_vars(
+        [name for name in bead.variables if str(name).startswith(("void_", "severity_"))]
+    )
     return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
 
 
@@ -161,6 +163,7 @@ def _streamlines(count: int, points: int) -> dict[str, Any]:
         "shear_rate": rate,
         "viscosity": np.full_like(rate, 817.0),
         "gradient": gradient,
+        "corner_distance": np.hypot(x - 1.5e-3, y - 3e-3),
         "near_singularity": (np.minimum(fraction, 1 - fraction) < 0.05).astype(np.int8),
         "path_end": ["outlet"] * count,
         "path_consistency": np.full(count, 1e-3),
@@ -168,7 +171,6 @@ def _streamlines(count: int, points: int) -> dict[str, Any]:
         "path_notes": [""] * count,
         "zone": np.arange(1, 4),
         "zone_time": np.array([4e-3, 9e-3, 14e-3]) / SPEED * np.ones((count, 1)),
-        "middle_time": np.full(count, 6e-3 / SPEED),
     }
 
 
@@ -188,9 +190,10 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
     share = 0.3 + 0.6 * np.cos(start)[:, None] ** 2
     high = share * bound[:, None, :]
     quantiles = bound[..., None] * LEVELS
-    before = lines["time"] < lines["middle_time"][:, None]
-    index = np.stack([np.argmax(np.where(here, bound, 0), axis=1) for here in (before, ~before)], 1)
-    pick = np.broadcast_to(index[:, None, :, None], (len(bound), angles, 2, 2))
+    entrance, leave, end = (zone_time[:, zone, None] for zone in range(3))
+    places = (time >= 0.0, time <= entrance, (time >= leave) & (time <= end))
+    index = np.stack([np.argmax(np.where(here, bound, 0), axis=1) for here in places], 1)
+    pick = np.broadcast_to(index[:, None, :, None], (len(bound), angles, 3, 2))
 
     def at(values: Array) -> Array:
         wide = np.broadcast_to(values[:, None, None, :], (*pick.shape[:3], values.shape[-1]))
@@ -198,11 +201,11 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
 
     sign = np.array([-1.0, 1.0])
     value = sign * share[None, :, :, None] * at(bound)
-    most = np.max(np.stack([bound * before, bound * ~before], 1), axis=-1)
+    most = np.max(np.stack([bound * here for here in places], 1), axis=-1)
     sides = np.stack([0.1 * most, most], -1)
     return {
         "initial_angle": start,
-        "location": np.array([1, 2]),
+        "location": np.arange(3),
         "kind": np.array(["min", "max"]),
         "quantile": LEVELS,
         "angle": angle,
@@ -211,6 +214,7 @@ def _fibers(lines: dict[str, Any], angles: int) -> dict[str, Any]:
         "highest": high,
         "bound_lowest": -bound,
         "bound_highest": bound,
+        "felt_lowest": -1.1 * bound,
         "quantile_lowest": -quantiles[..., ::-1],
         "quantile_highest": quantiles,
         "extreme": value,

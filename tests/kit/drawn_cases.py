@@ -77,9 +77,7 @@ def _with_stations() -> xr.Dataset:
 def _from_elsewhere() -> xr.Dataset:
     """Return the same of a flow without a nozzle, whose paths have no stations."""
     whole = _with_stations()
-    bare = whole.drop_vars(
-        [name for name in whole.variables if str(name).startswith(("zone", "middle_"))]
-    )
+    bare = whole.drop_vars([name for name in whole.variables if str(name).startswith("zone")])
     return bare.isel(location=[0]).assign_coords(location=[0])
 
 

@@ -101,7 +101,7 @@ def test_a_claim_that_cannot_be_judged_is_refused(wrong, message):
     ("level", "verdict"), [(-0.5, "holds"), (-0.5499, "holds"), (-0.56, "differs")]
 )
 def test_a_stored_number_turns_the_verdict(results, level, verdict):
-    results["extreme"][:, :, 0, 0] = level * 1e6
+    results["extreme"].loc[{"location": 1, "kind": "min"}] = level * 1e6
     found = judge(EVERY["loc1-level"], results)
     assert found.verdict == verdict
     assert found.value == pytest.approx(level, abs=1e-12)
@@ -166,7 +166,7 @@ def test_claims_are_fed_by_the_parts_that_a_study_has():
 
 
 def test_known_reasons_are_told_under_the_papers_conditions_only(results):
-    results["extreme"][:, :, 0, 0] = -0.3e6
+    results["extreme"].loc[{"location": 1, "kind": "min"}] = -0.3e6
     found = claims_stage(PARAMETERS, {"motion": results.drop_attrs(deep=False)}, print)
     place = found["claim"].to_numpy().tolist().index("loc1-level")
     for override, told in (((), "the paper's mesh overstates"), (("flow.gap=3.1 mm",), "not the")):

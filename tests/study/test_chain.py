@@ -25,8 +25,9 @@ BELOW_FLOW = {
 
 def test_every_parameter_is_read_by_a_stage():
     read = {key for stage in CHAIN.stages for key in stage_parameters(stage, DEFAULTS)}
-    # Of the melt they read what follows from it: the law at its temperature, and the card.
-    resolved = {key for key in DEFAULTS if key.startswith("melt.")}
+    # Of the melt they read what follows from it: the law at its temperature, and the card; of the
+    # process what it lends to other tables.
+    resolved = {key for key in DEFAULTS if key.startswith(("melt.", "process."))}
     assert read - resolved == set(DEFAULTS) - resolved - {"study.parts"}
     assert read & resolved == {"melt.temperature", "melt.density"}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from fibermelt.parts.voids.advice import advice
 from fibermelt.study.loading import resolve
 
 
@@ -31,26 +30,21 @@ def test_a_fiber_that_is_not_small_is_told(tables: dict[str, dict[str, object]],
     assert told in notes(**tables)
 
 
+@pytest.mark.parametrize(
+    ("gap", "told"),
+    [
+        ("2.48 mm", "the gap is 0.827 times the bead's height of 3 mm: below 0.83 the melt climbs"),
+        ("2.5 mm", ""),
+        ("4.7 mm", ""),
+        ("4.9 mm", "the gap is 1.63 times the bead's height of 3 mm: above 1.6"),
+    ],
+)
+def test_a_gap_without_a_steady_bead_is_told(gap: str, told: str) -> None:
+    assert notes(flow={"gap": gap}).startswith(told)
+    assert bool(notes(flow={"gap": gap})) == bool(told)
+
+
 def test_a_melt_with_inertia_is_told_its_reynolds_number() -> None:
     # 1154 kg/m3 at 0.3048e-3 m2/s over 1 mPa s
     assert "Reynolds number of the capillary is 3.5e+02" in notes(melt={"viscosity": "1 mPa s"})
     assert "Reynolds" not in notes(melt={"viscosity": "40 Pa s"})
-
-
-def found(bounds: float, spheroid: float, critical: tuple[float | None, float | None]) -> dict:
-    bases = {
-        "melt": {"lowest_pressure": 1e5, "critical_moisture": None},
-        "bounds": {"lowest_pressure": bounds, "critical_moisture": critical[0]},
-        "spheroid": {"lowest_pressure": spheroid, "critical_moisture": critical[1]},
-    }
-    told = {"moisture": 1e-4, "speed_exponent": 1.0, "by_basis": bases, "profile": [{}]}
-    return {**bases["bounds"], **told}
-
-
-def test_no_void_on_any_fiber_is_said_of_every_fiber_that_is_told() -> None:
-    # An ellipse above the vapor's pressure beside a spheroid under tension.
-    assert "no void starts" not in advice(found(0.05e6, -0.046e6, (5e-4, 0.0)))
-    assert "under tension" in advice(found(0.05e6, -0.046e6, (5e-4, 0.0)))
-    assert advice(found(0.05e6, 0.04e6, (5e-4, 3e-4))).startswith("Keep it this dry: below 0.03")
-    assert advice(found(0.2e6, 0.2e6, (None, None))).startswith("Nothing:")
-    assert "below 0.05" in advice(found(0.2e6, 0.2e6, (None, 5e-4)))

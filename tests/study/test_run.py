@@ -72,6 +72,7 @@ def test_the_summary(finished):
         "flow",
         "paths",
         "streamlines",
+        "left_out",
         "cell",
         "extremes",
         "orientation",
@@ -123,7 +124,7 @@ def test_the_physics_is_that_of_the_paper(finished):
 
 def test_extremes_are_ordered(finished):
     extremes = json.loads(finished[1].stdout)["extremes"]
-    assert len(extremes) == 4 * 2 * 2
+    assert len(extremes) == 4 * 3 * 2
     for extreme in extremes:
         low, high = extreme["bounds"]
         assert low <= extreme["lowest"] <= extreme["mean"] <= extreme["highest"] <= high
@@ -132,8 +133,10 @@ def test_extremes_are_ordered(finished):
         assert max(extreme["quantiles"]) <= high
         assert sorted(extreme["quantiles"]) == extreme["quantiles"]
         assert (extreme["kind"] == "min") == (extreme["highest"] < 0)
-        above_the_middle = extreme["y"] > 3e-3 + 6e-3 / 2
-        assert (extreme["location"] == 1) == above_the_middle
+        if extreme["location"]:
+            entrance, leave = 3e-3 + 6e-3, 3e-3
+            low, high = {1: (entrance, np.inf), 2: (0.0, leave)}[extreme["location"]]
+            assert low <= extreme["y"] <= high
 
 
 def test_results_are_labelled(finished):
@@ -146,6 +149,9 @@ def test_results_are_labelled(finished):
         assert np.array_equal(results["angle"][:, :, 0], np.tile(results["initial_angle"], (4, 1)))
         trace = results["gradient"][..., 0, 0] + results["gradient"][..., 1, 1]
         assert float(np.abs(trace).max()) < 1e-8 * float(np.abs(results["gradient"]).max())
+        felt, bound = (results[f"{name}_lowest"].to_numpy() for name in ("felt", "bound"))
+        near = results["corner_distance"].to_numpy() < 84e-6
+        assert np.all(felt[~near] <= bound[~near])  # within a fiber's length it has a limit
         assert results.attrs["schema"] == 1
         assert {"ngsolve", "h5py", "matplotlib"} <= set(json.loads(results.attrs["software"]))
 

@@ -87,6 +87,7 @@ def _in_words(listed: Mapping[str, Any]) -> str:
             lines.append(f"{'':<16}{cold} from cold, {count['warm']} from a neighbour")
     if listed["pending"]:
         lines.append(f"to do           {_cost(listed['estimate'])}")
+    lines += [f"note            {note}" for note in listed["notes"]]
     cases = []
     for case in listed["each"][:LISTED]:
         point = ", ".join(

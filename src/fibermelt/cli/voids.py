@@ -20,9 +20,9 @@ def voids(
         str | None,
         typer.Option(
             metavar="CARD",
-            help="Material card: paper, abs, abs-cf13-thinning, abs-power-law, made-up-carreau, "
-            "pa66-gf30, pei, pla, pla-cf14, ps, or the path of a TOML file; the study's by "
-            "default.",
+            help="Material card: paper, abs, abs-cf13-thinning, abs-cf20, abs-power-law, "
+            "made-up-carreau, pa6-cf20, pa66-gf30, pei, pla, pla-cf14, ps, or the path of a TOML "
+            "file; the study's by default.",
         ),
     ] = None,
     moisture: Annotated[
@@ -41,18 +41,28 @@ def voids(
             "study's by default, with another card that of printing.",
         ),
     ] = None,
+    against: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DIR", help="Another finished run to hold it against; the paper's by default."
+        ),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell where the bead of a finished run can void.
+    """Tell where the bead of a finished run can void, and what helps most.
 
-    And what drying would do about it, at the moisture, the temperature or of the material that is
-    asked for. The pressures on fibers stay those of the run. Nothing in DIR is changed.
+    What helps is computed the first time it is asked for, in about a minute, from flows beside the
+    run's own, which stay in DIR/levers; the run's summary and page then say it too. At another
+    moisture, temperature or of another material the pressures on fibers stay those of the run,
+    nothing is computed anew, and nothing in DIR is changed.
     """
     with told():
+        from fibermelt.engine.progress import observing  # noqa: PLC0415
         from fibermelt.engine.wrapping import wrapped  # noqa: PLC0415
+        from fibermelt.levers.publish import with_levers  # noqa: PLC0415
         from fibermelt.parts.voids.summary import voids_in_words  # noqa: PLC0415
         from fibermelt.questions.orbit import read_quantity  # noqa: PLC0415  lazy, as in run
-        from fibermelt.questions.voids import VoidQuestion, answer_voids  # noqa: PLC0415
+        from fibermelt.questions.voids import VoidQuestion, answer_voids, held_against  # noqa: PLC0415
 
         question = VoidQuestion(
             material=material,
@@ -61,7 +71,14 @@ def voids(
                 None if temperature is None else read_quantity("--temperature", temperature, "K")
             ),
         )
-        answer = answer_voids(given_folder(folder), question)
+        directory = given_folder(folder)
+        if question == VoidQuestion():
+            with observing() as observer:
+                answer = with_levers(directory, observer=observer)
+        else:
+            answer = answer_voids(directory, question)
+        if against is not None:
+            answer = held_against(answer, given_folder(against))
         say(
             json.dumps(answer, indent=1)
             if as_json

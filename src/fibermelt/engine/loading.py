@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -19,10 +19,11 @@ from fibermelt.engine.overrides import (
     read_tables,
     read_varying,
     refuse_without_effect,
+    varied,
 )
-from fibermelt.engine.parameters import excerpt
+from fibermelt.engine.parameters import declarations, excerpt
 from fibermelt.engine.syntax import parse_toml, read_toml
-from fibermelt.engine.tables import Tables
+from fibermelt.engine.tables import Tables, filled
 from fibermelt.errors import ConfigError, legible
 
 __all__ = ["Reader", "Study"]
@@ -128,17 +129,15 @@ class Reader:
             file = path if self._is_study_file(path, study) else None
             name, tables = (path.stem, read_toml(path)) if file else (study, self._preset(study))
             origin = path.name if file else f"preset {name}"
+        tables = self._said(tables)
         if isinstance(overrides, Mapping):
-            overriding = [read_tables(overrides)] if overrides else []
+            overriding = read_tables(overrides)
             overrides = [f"{key}={excerpt(value)}" for key, value in overrides.items()]
         else:
             overriding = read_overrides(overrides)
-        for table in overriding:
-            tables = self.merged(tables, table)
+        tables = self.merged(tables, overriding)
         is_preset = file is None and not isinstance(study, Mapping)
-        own = tuple(
-            dict.fromkeys(key for table in (overriding if is_preset else [tables]) for key in table)
-        )
+        own = tuple(overriding if is_preset else tables)
         if (preset := tables.pop("preset", None)) is not None:
             if not isinstance(preset, str):
                 shown = excerpt(preset)
@@ -160,7 +159,7 @@ class Reader:
         if varying:
             sweep = {**(sweep or {}), **varying}
             origin += ", over " + " and ".join(over)
-        refuse_without_effect(overriding, sweep or {}, varying)
+        refuse_without_effect(overriding, sweep or {}, varying, self._lent_by(sweep or {}, tables))
         return Study(
             name=name,
             origin=legible(origin, len(origin)),
@@ -198,7 +197,10 @@ class Reader:
         try:
             return self.kind.model_validate(dict(tables))
         except ValidationError as error:
-            raise ConfigError(explain(error, tables, self.kind)) from None
+            lent = {k: v for k, v in self.kind.lent(tables).items() if not _has(tables, k)}
+            told = {key: replace(one, value=_rounded(one.value)) for key, one in lent.items()}
+            whole, follows = filled(tables, told), {key: one.by for key, one in lent.items()}
+            raise ConfigError(explain(error, whole, self.kind, follows)) from None
 
     def _is_study_file(self, path: Path, study: str) -> bool:
         """Tell a file from a shipped study, which wins over a folder of its name."""
@@ -251,14 +253,75 @@ class Reader:
     def merged(self, base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
         """Return ``base`` with the keys of ``over``, table by table.
 
-        Another card, law or model begins anew: `Part.renew`.
+        Another card, law or model begins anew: `Part.renew`. What parts lend by a key of ``over``
+        takes the place of what ``base`` said: `Part.lend`.
         """
+        return self.renewed(self._laid(base, over), over)
+
+    def renewed(self, both: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+        """Return tables without what parts lend by keys that ``over``, in them, says itself."""
+        left = dict(both)
+        for key, one in self.kind.lent(both).items():
+            if any(_has(over, by) for by in one.by) and not _has(over, key):
+                left = _without(left, key)
+        return left
+
+    def _lent_by(
+        self, sweep: Mapping[str, Any], tables: Mapping[str, Any]
+    ) -> dict[str, tuple[str, ...]]:
+        """Return the keys that follow from others, those that a sweep varies among them."""
+        whole = dict(tables)
+        examples = {item.key: item.example for item in declarations(self.kind)}
+        for key in varied(sweep):
+            if key in examples:
+                table, _, name = key.partition(".")
+                whole = self._laid(whole, {table: {name: examples[key]}})
+        return {key: one.by for key, one in self.kind.lent(whole).items()}
+
+    def _said(self, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a file's tables without what they lend to themselves: a resolved copy has both.
+
+        So whatever is laid over a copy does what it does over the study that it is a copy of.
+        """
+        said = dict(tables)
+        for key, one in self.kind.lent(tables).items():
+            if _has(tables, key) and _at(tables, key) == one.value:
+                said = _without(said, key)
+        return said
+
+    def _laid(self, base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
         both = dict(base)
         for key, value in over.items():
             below = both.get(key)
             if isinstance(below, Mapping) and isinstance(value, Mapping):
                 left = self._left(key, below, value)
-                both[key] = self.merged(left, value)
+                both[key] = self._laid(left, value)
             else:
                 both[key] = value
         return both
+
+
+def _has(tables: Mapping[str, Any], key: str) -> bool:
+    """Tell whether tables as written say a key such as ``flow.gap``."""
+    table, _, name = key.partition(".")
+    own = tables.get(table)
+    return isinstance(own, Mapping) and own.get(name) is not None
+
+
+def _at(tables: Mapping[str, Any], key: str) -> object:
+    table, _, name = key.partition(".")
+    return tables[table][name]
+
+
+def _without(tables: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return tables without a key; a table that it was alone in stays."""
+    table, _, name = key.partition(".")
+    own = tables.get(table)
+    if not isinstance(own, Mapping):
+        return dict(tables)
+    return {**tables, table: {one: value for one, value in own.items() if one != name}}
+
+
+def _rounded(value: float) -> float:
+    """Return a number that nobody wrote with the digits that a person would."""
+    return float(f"{value:.6g}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import Any
@@ -27,7 +28,12 @@ _RANGE_FAULTS = {
 _TYPES = {"int_": "a whole number", "bool_": "true or false"}
 
 
-def explain(error: ValidationError, tables: Mapping[str, Any], kind: type[Section]) -> str:
+def explain(
+    error: ValidationError,
+    tables: Mapping[str, Any],
+    kind: type[Section],
+    follows: Mapping[str, tuple[str, ...]] | None = None,
+) -> str:
     """Return one line for each fault of a study.
 
     Parameters
@@ -38,10 +44,22 @@ def explain(error: ValidationError, tables: Mapping[str, Any], kind: type[Sectio
         The study as it was written: its values appear in the messages as the person wrote them.
     kind : type
         What it should have been.
+    follows : mapping, optional
+        Keys that the study does not say itself, and those that they follow from.
     """
     known = {declaration.key: declaration for declaration in declarations(kind)}
     # What may be a number or a word is at fault twice, and so is a list by each of its items.
-    return "\n".join(dict.fromkeys(_line(fault, tables, known) for fault in error.errors()))
+    lines = (_line(fault, tables, known) for fault in error.errors())
+    return "\n".join(dict.fromkeys(_traced(line, tables, follows or {}) for line in lines))
+
+
+def _traced(line: str, tables: Mapping[str, Any], follows: Mapping[str, tuple[str, ...]]) -> str:
+    """Return a line that says of each key that nobody wrote where it comes from."""
+    for key, by in follows.items():
+        if re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", line):
+            said = " and ".join(f"{one} = {_written(one.split('.'), tables)}" for one in by)
+            line += f"; {key} follows from {said}"
+    return line
 
 
 def _line(fault: ErrorDetails, tables: Mapping[str, Any], known: Mapping[str, Declaration]) -> str:

@@ -7,7 +7,7 @@ has no effect.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -22,6 +22,7 @@ __all__ = [
     "read_tables",
     "read_varying",
     "refuse_without_effect",
+    "varied",
 ]
 
 SETTINGS = ("design", "samples", "seed", "weight")
@@ -34,8 +35,8 @@ Key = tuple[str, ...]
 """A key, in its parts."""
 
 
-def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the tables that ``flow.gap=3.5 mm`` and the like stand for, one of each.
+def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
+    """Return the tables that ``flow.gap=3.5 mm`` and the like stand for, all together.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
     ConfigError
         If one is no key and value, or a key is given twice: both of its values.
     """
-    tables, given = [], dict[Key, object]()
+    tables, given = dict[str, Any](), dict[Key, object]()
     for override in overrides:
         table = _table(override)
         for key, value in _leaves(table):
@@ -61,8 +62,16 @@ def read_overrides(overrides: Sequence[str]) -> list[dict[str, Any]]:
                     )
                     raise ConfigError(msg)
             given[key] = value
-        tables.append(table)
+        _lay(table, tables)
     return tables
+
+
+def _lay(table: Mapping[str, Any], onto: dict[str, Any]) -> None:
+    """Put the keys of a table into another that has none of them."""
+    for name, value in table.items():
+        below = onto.setdefault(name, {} if isinstance(value, Mapping) else value)
+        if isinstance(value, Mapping):
+            _lay(value, below)
 
 
 def read_tables(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -202,8 +211,16 @@ def _varying(over: str) -> tuple[str, str, object]:
     return key, text, [_value(value.strip(), where) for value in text.split(",")]
 
 
+def varied(sweep: Mapping[str, Any]) -> dict[str, str]:
+    """Return the keys that a table ``[sweep]`` has, each with the name that it has there."""
+    return {key.strip(): name for name in sweep for key in name.split(",")}
+
+
 def refuse_without_effect(
-    tables: Sequence[Mapping[str, Any]], sweep: Mapping[str, Any], over: Mapping[str, object]
+    tables: Mapping[str, Any],
+    sweep: Mapping[str, Any],
+    over: Mapping[str, object],
+    lent: Mapping[str, Collection[str]],
 ) -> None:
     """Refuse to set a parameter that varies: every case sets it to something else.
 
@@ -212,12 +229,14 @@ def refuse_without_effect(
 
     Parameters
     ----------
-    tables : sequence of mapping
+    tables : mapping
         What `read_overrides` made of ``-s``.
     sweep : mapping
         The table ``[sweep]``, with ``--over`` in it.
     over : mapping
         What `read_varying` made of ``--over``.
+    lent : mapping
+        Keys that follow from others which vary, and all that they follow from.
 
     Raises
     ------
@@ -226,18 +245,24 @@ def refuse_without_effect(
     """
     if sweep.get("design") == "one-at-a-time":
         return
-    varying = {key.strip(): name for name in sweep for key in name.split(",")}
-    for table in tables:
-        for key, value in _leaves(table):
-            name = varying.get(".".join(key))
-            if name is None:
-                continue
-            where = f"--over {legible(name)}" if name in over else "the table [sweep]"
-            msg = (
-                f"-s {_told(key)}={excerpt(value)}: has no effect, as {where} sets it in every "
-                "case: leave one of them away"
-            )
-            raise ConfigError(msg)
+    varying = varied(sweep)
+    varying |= {
+        key: varying[one]
+        for key, by in lent.items()
+        if key not in varying
+        for one in by
+        if one in varying
+    }
+    for key, value in _leaves(tables):
+        name = varying.get(".".join(key))
+        if name is None:
+            continue
+        where = f"--over {legible(name)}" if name in over else "the table [sweep]"
+        msg = (
+            f"-s {_told(key)}={excerpt(value)}: has no effect, as {where} sets it in every "
+            "case: leave one of them away"
+        )
+        raise ConfigError(msg)
 
 
 def _value(text: str, where: str) -> object:

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from fibermelt.declared import BOUNDS, HOLDS, declaration
 from fibermelt.errors import ConfigError, legible
-from fibermelt.units import celsius_meant, parse
+from fibermelt.units import PERCENT, celsius_meant, parse, shown
 
 __all__ = [
     "Declaration",
@@ -249,6 +249,16 @@ class Declaration:
         written = (self.written or [None])[0] if isinstance(self.written, list) else self.written
         text = str(self.example if written is None else written)
         return text.partition(" ")[2] or self.unit if self.unit else ""
+
+    def text(self, value: float, digits: int = 6) -> str:
+        """Return an SI value as a study writes it, in the unit of its default: ``3.15 mm``."""
+        if str(self.written).endswith("%"):
+            return f"{PERCENT * value:.{digits}g} %"
+        if not self.unit:
+            return f"{value:.{digits}g}"
+        unit = self.written_unit
+        count = float(shown(value, self.unit, unit).partition(" ")[0])
+        return f"{count:.{digits}g} {unit}"
 
     @property
     def range(self) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fibermelt.engine.loading import Study
     from fibermelt.engine.parameters import Section, Value
 
-__all__ = ["Chain", "Part", "in_words"]
+__all__ = ["Chain", "Lent", "Part", "in_words"]
 
 
 Address = str | Callable[..., Any]
@@ -38,6 +38,23 @@ def _no_words(summary: Mapping[str, Any]) -> list[str]:
 
 def _no_fields(results: xr.Dataset, folder: Path) -> None:
     """Write nothing: most parts have no field besides what is in the results."""
+
+
+@dataclass(frozen=True)
+class Lent:
+    """What a part gives to a key of another table that a study leaves out (`Part.lend`).
+
+    Parameters
+    ----------
+    value : float
+        The value, in SI.
+    by : tuple of str
+        The keys of the part's own tables that it follows from: where a file or an override says one
+        of them, what an earlier one said of the key is left behind.
+    """
+
+    value: float
+    by: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -77,6 +94,10 @@ class Part:
     renew : mapping of address
         By the table's name: what of a table is left under one that names another card, law or
         model.
+    lend : address, optional
+        From the tables of a study as written to a `Lent` for keys of other tables, by key,
+        whether the study says those itself or not; asked where there is a table of its own. It
+        raises nothing: a table that is at fault lends nothing, and is refused when it is read.
     """
 
     name: str
@@ -94,6 +115,7 @@ class Part:
     notes: Address | None = None
     attributes: Address | None = None
     renew: Mapping[str, Address] = field(default_factory=dict)
+    lend: Address | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import Field, create_model, model_validator
@@ -12,9 +12,9 @@ from fibermelt.engine.parameters import Section, Value, flatten, setting
 from fibermelt.errors import ConfigError
 
 if TYPE_CHECKING:
-    from fibermelt.engine.parts import Part
+    from fibermelt.engine.parts import Lent, Part
 
-__all__ = ["Asked", "Tables", "tables_of"]
+__all__ = ["Asked", "Tables", "filled", "tables_of"]
 
 Table = TypeVar("Table", bound=Section)
 
@@ -40,6 +40,22 @@ class Tables(Section):
     """The parts that there are, whose tables these are."""
 
     study: Asked = Field(default_factory=Asked)
+
+    @classmethod
+    def lent(cls, tables: Mapping[str, Any]) -> dict[str, Lent]:
+        """Return what parts lend of tables as written, by key, also where these say it."""
+        return {
+            key: one
+            for part in cls.known
+            if part.lend and any(tables.get(name) for name in part.tables)
+            for key, one in named(part.lend)(tables).items()
+        }
+
+    @model_validator(mode="before")
+    @classmethod
+    def _filled(cls, data: Any) -> Any:
+        """Fill in what parts lend and the study does not say."""
+        return filled(data, cls.lent(data)) if isinstance(data, Mapping) else data
 
     @property
     def asked(self) -> tuple[Part, ...]:
@@ -77,6 +93,20 @@ class Tables(Section):
                 except ConfigError as error:
                     raise ValueError(str(error)) from error
         return self
+
+
+def filled(tables: Mapping[str, Any], lent: Mapping[str, Lent]) -> dict[str, Any]:
+    """Return tables as written with what is lent to those of their keys that they leave out.
+
+    A table that was read before is whole.
+    """
+    whole = dict(tables)
+    for key, one in lent.items():
+        table, _, name = key.partition(".")
+        own = whole.get(table, {})
+        if isinstance(own, Mapping) and own.get(name) is None:
+            whole[table] = {**own, name: one.value}
+    return whole
 
 
 def tables_of(parts: Sequence[Part]) -> type[Tables]:

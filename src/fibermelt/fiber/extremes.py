@@ -1,15 +1,17 @@
 """The pressure extremes of fibers over their way through the nozzle and onto the bed.
 
 The paper's Fig. 16-20: for each fiber the lowest and the highest (surface pressure - streamline
-pressure) above the middle of the capillary (Loc. 1) and from there on (Loc. 2). Arrays carry the
-axes ``(..., n_angles, location, kind)``, location (1, 2), kind (min, max); a path that passes no
-capillary has one location, all of it. An extreme is taken at a point of the path: its value is off
-by the square of the points' spacing, its time by the spacing.
+pressure) over the whole way (location 0), before the capillary (Loc. 1, from the inlet to zone 1),
+and in the swell (Loc. 2, from the nozzle's exit, zone 2, to the end of the swell, zone 3). The
+capillary between them and the settled bead count to location 0 alone. Arrays carry the axes ``(...,
+n_angles, location, kind)``, kind (min, max); a path without zones has location 0 alone. An extreme
+is taken at a point of the path: its value is off by the square of the points' spacing, its time by
+the spacing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +26,11 @@ from fibermelt.history import FlowHistory
 
 __all__ = [
     "KINDS",
-    "LOCATIONS",
+    "SWELL",
     "WHOLE",
+    "ZONES",
     "ExtremeStatistics",
     "Extremes",
-    "before_middle",
     "extreme_bounds",
     "extreme_values",
     "extremes",
@@ -38,11 +40,12 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-LOCATIONS = (1, 2)
-"""The paper's Loc. 1, above the middle of the capillary, and Loc. 2, below it."""
+WHOLE, ENTRANCE, SWELL = 0, 1, 2
+"""The whole path; the paper's Loc. 1, "just prior to the entrance of the nozzle capillary section
+(i.e., zone 1)"; its Loc. 2, "within the die swell region between zones 2 & 3" (section 3)."""
 
-WHOLE = (0,)
-"""The one location of a path without such a middle."""
+ZONES = 3
+"""Zones of the paper's section 3: the capillary's entrance, the nozzle's exit, the swell's end."""
 
 KINDS = ("min", "max")
 """Lowest and highest surface pressure over the streamline's."""
@@ -105,7 +108,7 @@ def extremes(
     path: FlowHistory,
     pressure: SurfaceHistory,
     motion: Turning,
-    middle_time: ArrayLike | None = None,
+    zone_time: ArrayLike | None = None,
 ) -> Extremes:
     """Find the pressure extremes of every fiber at each location.
 
@@ -117,24 +120,23 @@ def extremes(
         Their surface pressure along it: a `SurfacePressure`, or a `NewtonMotion`.
     motion : Turning
         Their angles along it: a `Motion`, or the same `NewtonMotion`.
-    middle_time : float or (...) array, optional
-        Time at the middle of the capillary [s]: Loc. 1 is before, Loc. 2 from there on; without
-        one there is one location, the whole path.
+    zone_time : (3,) or (..., 3) array, optional
+        Times at zones 1 to 3 [s], as in `locations`; without them there is one location.
 
     Raises
     ------
     ConfigError
-        If a path has no point before, or none after, its middle time.
+        As in `locations`.
     HistoryError
         If pressure or motion is along another path.
     """
     refuse_another_path(path, pressure.path)
     refuse_another_path(path, motion.path)
-    before = before_middle(path, middle_time)[..., None, :]
     picked = []
-    for here in locations(before):
-        low = np.argmin(np.where(here, pressure.lowest, np.inf), axis=-1)
-        high = np.argmax(np.where(here, pressure.highest, -np.inf), axis=-1)
+    for here in locations(path, zone_time).values():
+        among = here[..., None, :]
+        low = np.argmin(np.where(among, pressure.lowest, np.inf), axis=-1)
+        high = np.argmax(np.where(among, pressure.highest, -np.inf), axis=-1)
         picked.append(np.stack([low, high], axis=-1))
     index = np.stack(picked, axis=-2)
     value = _pick_kinds(pressure.lowest, pressure.highest, index)
@@ -152,19 +154,19 @@ def extremes(
     )
 
 
-def extreme_values(lowest: Array, highest: Array, before: NDArray[np.bool_]) -> Array:
+def extreme_values(lowest: Array, highest: Array, places: Mapping[int, NDArray[np.bool_]]) -> Array:
     """Return the values alone of `extremes`, (..., n_angles, location, 2) [Pa].
 
     Parameters
     ----------
     lowest, highest : (..., n_angles, n) array
         Pressures along the path [Pa].
-    before : (n,) array
-        Which points are at location 1, as from `before_middle`.
+    places : mapping
+        The points (n,) of each location of that one path, as from `locations`.
     """
     sides = [
         [lowest[..., here].min(axis=-1), highest[..., here].max(axis=-1)]
-        for here in locations(before)
+        for here in places.values()
     ]
     return np.stack([np.stack(side, axis=-1) for side in sides], axis=-2)
 
@@ -183,7 +185,7 @@ def statistics(found: Extremes) -> ExtremeStatistics:
 
 
 def extreme_bounds(
-    path: FlowHistory, bounds: PressureBounds, middle_time: ArrayLike | None = None
+    path: FlowHistory, bounds: PressureBounds, zone_time: ArrayLike | None = None
 ) -> Array:
     """Return the bounds of every fiber's extremes, (..., location, kind, 2) [Pa].
 
@@ -193,14 +195,13 @@ def extreme_bounds(
 
     Parameters
     ----------
-    path, middle_time
+    path, zone_time
         As in `extremes`.
     bounds : PressureBounds
         Bounds over every orientation along the path.
     """
-    before = before_middle(path, middle_time)
     sides = []
-    for here in locations(before):
+    for here in locations(path, zone_time).values():
         low = [_smallest(v, here) for v in (bounds.lowest, bounds.mildest_lowest)]
         high = [-_smallest(-v, here) for v in (bounds.mildest_highest, bounds.highest)]
         sides.append(np.stack([np.stack(low, -1), np.stack(high, -1)], axis=-2))
@@ -213,31 +214,52 @@ def _smallest(values: Array, here: NDArray[np.bool_]) -> Array:
     return least
 
 
-def locations(before: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], ...]:
-    """Return which points belong to each location: two, or one if none lies before the middle."""
-    return (before, ~before) if np.any(before) else (~before,)
+def locations(
+    path: FlowHistory, zone_time: ArrayLike | None = None
+) -> dict[int, NDArray[np.bool_]]:
+    """Return which points (..., n) belong to each location, by its number.
 
+    Location 0 has all of them, 1 those up to zone 1, 2 those from zone 2 to zone 3, both included.
 
-def before_middle(path: FlowHistory, middle_time: ArrayLike | None) -> NDArray[np.bool_]:
-    """Return which points lie above the middle of the capillary, (..., n); none without one."""
+    Parameters
+    ----------
+    path : FlowHistory
+        One path or several.
+    zone_time : (3,) or (..., 3) array, optional
+        Times at zones 1 to 3 [s], of all paths or of each; NaN where a path reaches none. A
+        location is left out unless every path reaches the zones that bound it.
+
+    Raises
+    ------
+    ConfigError
+        If the times have another shape, or a path has no point in a location.
+    """
     refuse_other("path", path, FlowHistory)
-    if middle_time is None:
-        return np.zeros(path.time.shape, dtype=bool)
-    middle = real_array("middle_time", middle_time, duration=True)
-    if middle.shape not in ((), path.time.shape[:-1]):
+    found = {WHOLE: np.ones(path.time.shape, dtype=bool)}
+    if zone_time is None:
+        return found
+    when = real_array("zone_time", zone_time, duration=True)
+    if when.shape not in ((ZONES,), (*path.time.shape[:-1], ZONES)):
         msg = (
-            f"middle_time has shape {middle.shape}: give one, or one for each of the paths, "
-            f"{path.time.shape[:-1]}"
+            f"zone_time has shape {when.shape}: give the times at the {ZONES} zones, for all paths "
+            f"or for each, {(*path.time.shape[:-1], ZONES)}"
         )
         raise ConfigError(msg)
-    before: NDArray[np.bool_] = path.time < middle[..., None]
-    if not (np.all(np.any(before, axis=-1)) and np.all(np.any(~before, axis=-1))):
-        msg = (
-            f"middle_time = {middle} s: every path needs points on both sides of it "
-            f"(paths run from {np.min(path.time):.6g} to {np.max(path.time):.6g} s)"
-        )
-        raise ConfigError(msg)
-    return before
+    entrance, leave, end = (when[..., k, None] for k in range(ZONES))
+    for place, start, stop in ((ENTRANCE, -np.inf, entrance), (SWELL, leave, end)):
+        if not np.all(np.isfinite(stop) & ~np.isnan(start)):
+            continue
+        here = (path.time >= start) & (path.time <= stop)
+        if not np.all(np.any(here, axis=-1)):
+            bounds = "up to zone 1" if place == ENTRANCE else "from zone 2 to zone 3"
+            msg = (
+                f"zone_time = {when} s: every path needs a point {bounds} (paths run from "
+                f"{np.min(path.time):.6g} to {np.max(path.time):.6g} s): take more "
+                "streamlines.points, or other stations"
+            )
+            raise ConfigError(msg)
+        found[place] = here
+    return found
 
 
 def _picker(index: NDArray[np.intp]) -> Callable[[Array], Array]:

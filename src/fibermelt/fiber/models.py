@@ -191,7 +191,7 @@ class FiberModel(Shown):
         self,
         path: FlowHistory,
         viscosity: Viscosity,
-        middle_time: ArrayLike | None,
+        zone_time: ArrayLike | None,
         count: int = ISOTROPIC_COUNT,
         levels: tuple[float, ...] = QUANTILE_LEVELS,
         tolerance: float = ANGLE_TOLERANCE,
@@ -204,7 +204,7 @@ class FiberModel(Shown):
         """
         if not self.has_directions:
             return isotropic_pressure(
-                path, self.in_plane, viscosity, middle_time, count, levels, tolerance
+                path, self.in_plane, viscosity, zone_time, count, levels, tolerance
             )
         values = _isotropic_values(path, self.in_space, count, tolerance)
 
@@ -213,7 +213,7 @@ class FiberModel(Shown):
             lowest, highest = values(one)
             return scale * lowest, scale * highest
 
-        return population_quantiles(path, middle_time, levels, pressures)
+        return population_quantiles(path, zone_time, levels, pressures)
 
 
 def confined_model(response: FiberResponse) -> FiberModel:

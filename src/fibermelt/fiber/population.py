@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
 from fibermelt.errors import ConfigError, refuse_no_count, refuse_other
-from fibermelt.fiber.extremes import before_middle, extreme_values
+from fibermelt.fiber.extremes import extreme_values, locations
 from fibermelt.fiber.motion import (
     ANGLE_TOLERANCE,
     deformation_along,
@@ -50,9 +50,9 @@ class IsotropicPressure:
         Levels [-], in [0, 1].
     lowest, highest : (..., n, k) array
         Of the surface's lowest and highest pressure at every point.
-    extremes : (..., 2, 2, k) array
-        Of each fiber's extremes, axes location (1, 2) and kind (min, max).
-    extremes_error : (..., 2, 2, k) array
+    extremes : (..., location, 2, k) array
+        Of each fiber's extremes, axes location and kind (min, max).
+    extremes_error : (..., location, 2, k) array
         What every second fiber alone would give, off ``extremes``: about its error.
     """
 
@@ -67,7 +67,7 @@ def isotropic_pressure(
     path: FlowHistory,
     response: FiberResponse | ThinningResponse,
     viscosity: Viscosity,
-    middle_time: ArrayLike | None,
+    zone_time: ArrayLike | None,
     count: int = ISOTROPIC_COUNT,
     levels: tuple[float, ...] = QUANTILE_LEVELS,
     tolerance: float = ANGLE_TOLERANCE,
@@ -82,8 +82,8 @@ def isotropic_pressure(
         The fibers' response.
     viscosity : float, ViscosityLaw or LocalViscosity
         The melt, as in `surface_pressure`.
-    middle_time : float or (...) array, or None
-        Time at the middle of the capillary [s], as in `extremes`.
+    zone_time : (3,) or (..., 3) array, or None
+        Times at zones 1 to 3 [s], as in `extremes`.
     count : int
         Fibers (`isotropic_angles`).
     levels : tuple of float
@@ -112,7 +112,7 @@ def isotropic_pressure(
     else:
         refuse_other("response", response, FiberResponse)
         each = _turned_pressures(path, response, viscosity, angles, tolerance)
-    return population_quantiles(path, middle_time, levels, lambda _: next(each))
+    return population_quantiles(path, zone_time, levels, lambda _: next(each))
 
 
 def _turned_pressures(
@@ -141,7 +141,7 @@ def _turned_pressures(
 
 def population_quantiles(
     path: FlowHistory,
-    middle_time: ArrayLike | None,
+    zone_time: ArrayLike | None,
     levels: tuple[float, ...],
     pressures: Callable[[FlowHistory], tuple[Array, Array]],
 ) -> IsotropicPressure:
@@ -149,7 +149,7 @@ def population_quantiles(
 
     Parameters
     ----------
-    path, middle_time, levels
+    path, zone_time, levels
         As in `isotropic_pressure`.
     pressures : callable
         From one path to the population's lowest and highest pressures (n_fibers, n), relative to
@@ -158,14 +158,17 @@ def population_quantiles(
     Raises
     ------
     ConfigError
-        If a level lies outside [0, 1], or there are more or fewer middle times than paths.
+        If a level lies outside [0, 1], or as in `fibermelt.fiber.extremes.locations`.
     """
     _refuse_levels(levels)
-    paths = path.lines
+    places = {
+        place: here.reshape(-1, here.shape[-1])
+        for place, here in locations(path, zone_time).items()
+    }
     parts = []
-    for one, middle in zip(paths, _middles(middle_time, len(paths)), strict=True):
+    for k, one in enumerate(path.lines):
         lowest, highest = pressures(one)
-        found = extreme_values(lowest, highest, before_middle(one, middle))
+        found = extreme_values(lowest, highest, {place: here[k] for place, here in places.items()})
         extremes = _quantiles(found, levels)
         error = np.abs(_quantiles(found[::2], levels) - extremes)
         parts.append((_quantiles(lowest, levels), _quantiles(highest, levels), extremes, error))
@@ -174,17 +177,6 @@ def population_quantiles(
         np.stack(values).reshape(*lead, *values[0].shape) for values in zip(*parts, strict=True)
     ]
     return IsotropicPressure(np.array(levels), *stacked)
-
-
-def _middles(middle_time: ArrayLike | None, count: int) -> list[float | None]:
-    """Return the middle time of each path, None where there is none."""
-    if middle_time is None:
-        return [None] * count
-    middles = np.ravel(real_array("middle_time", middle_time, duration=True))
-    if middles.size not in (1, count):
-        msg = f"middle_time has {middles.size} values for {count} paths: give one, or one each"
-        raise ConfigError(msg)
-    return [float(middle) for middle in np.broadcast_to(middles, count)]
 
 
 def _refuse_levels(levels: tuple[float, ...]) -> None:

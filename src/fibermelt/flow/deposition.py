@@ -17,7 +17,7 @@ from fibermelt.flow.continuation import cold_surfaces
 from fibermelt.flow.field import FlowField
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.mesh import Surfaces
-from fibermelt.flow.problem import Deposition, FlowNumerics
+from fibermelt.flow.problem import LOWEST_GAP, Deposition, FlowNumerics
 from fibermelt.flow.recover import field_of, with_error
 from fibermelt.flow.search import Progress, SurfaceSearch
 from fibermelt.flow.start import StartShape, surfaces_from
@@ -131,7 +131,7 @@ def _check_climb(problem: Deposition, surfaces: Surfaces) -> None:
             f"deposition flow: at flow.gap = {gap:g} m the melt climbs to y = {top:.4g} m at "
             f"x = {x:.4g} m, above the upstream lip, and would wet the nozzle's outer face, which "
             f"this model does not have; the bead is {height:.4g} m high: raise flow.gap above "
-            f"about 0.83 of that ({0.83 * height:.4g} m), or raise flow.bed_speed"
+            f"about {LOWEST_GAP:g} of that ({LOWEST_GAP * height:.4g} m), or raise flow.bed_speed"
         )
         raise ConvergenceError(msg)
 

@@ -10,8 +10,11 @@ from fibermelt.declared import declared, refuse_beyond
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.melt import ViscosityLaw
 
-__all__ = ["Deposition", "FlowNumerics", "Nozzle"]
+__all__ = ["LOWEST_GAP", "Deposition", "FlowNumerics", "Nozzle"]
 
+
+LOWEST_GAP = 0.83
+"""Gap over the height of the bead below which the melt climbs the paper's nozzle."""
 
 EDGES = ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
 SHORTEST_EDGE, LONGEST_EDGE = 1e-6, 0.5

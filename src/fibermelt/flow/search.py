@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fibermelt.errors import ConvergenceError, MeshError
 from fibermelt.flow.freesurface import Boundaries, FreeSurfaceFlow, Step
 from fibermelt.flow.mesh import Surfaces, deposition_mesh, scaled
-from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.flow.problem import LOWEST_GAP, Deposition, FlowNumerics, Nozzle
 from fibermelt.melt.slit import SlitFlow
 
 __all__ = [
@@ -308,8 +308,9 @@ class SurfaceSearch:
             )
         else:
             reason = (
-                f"below a gap of about 0.83 bead heights ({0.83 * height:.4g} m) the melt climbs "
-                "the nozzle; raise flow.gap or flow.bed_speed, or lower flow.inlet_speed"
+                f"below a gap of about {LOWEST_GAP:g} bead heights ({LOWEST_GAP * height:.4g} m) "
+                "the melt climbs the nozzle; raise flow.gap or flow.bed_speed, or lower "
+                "flow.inlet_speed"
             )
         return ConvergenceError(
             f"deposition flow: no steady free surface found for flow.gap = {gap:g} m after "

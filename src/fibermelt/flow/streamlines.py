@@ -7,6 +7,7 @@ Lines are seeded at equal flux and numbered from the left edge of the nozzle (th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +30,8 @@ TRACING_TOLERANCE = 1e-9
 """Error allowed per step, in capillary widths: a hundredth of the discretisation's stream drift."""
 
 NEAR_SINGULARITY = 0.15
-"""A line that passes a lip or an entrance corner within this many capillary widths is flagged:
-the gradient there follows the singular solution, and with it the mesh."""
+"""A line that passes a singular corner within this many capillary widths is flagged: the gradient
+there follows the singular solution, and with it the mesh."""
 
 SETTLED_SPEED = 0.02
 """Zone 3 begins where the velocity stays within this part of the bed's speed of uniform."""
@@ -54,10 +55,11 @@ class Streamline(Shown):
         Estimated error of the velocity gradient along it [1/s].
     drift : float
         Largest change of ``psi`` along it, in parts of the flux.
+    corner_distance : (n,) array
+        Distance [m] from the nearest singular corner, where the stress has no bound: a lip, a
+        corner of the capillary's entrance, or the upstream surface's contact with the bed.
     near_singularity : bool
-        Whether it passes a lip or the capillary's entrance corners closely.
-    middle_time : float
-        Time at which it passes the middle of the capillary [s]: Loc. 1 is before, Loc. 2 after.
+        Whether it passes such a corner closely.
     zone_time : (3,) array
         Times [s] at zone 1 (capillary entrance), 2 (nozzle exit), 3 (end of the swell region).
     """
@@ -68,8 +70,8 @@ class Streamline(Shown):
     stream_function: Array
     gradient_error: Array
     drift: float
+    corner_distance: Array
     near_singularity: bool
-    middle_time: float
     zone_time: Array
 
     def told(self) -> dict[str, str]:
@@ -166,13 +168,12 @@ def trace_streamlines(
     fraction, x = inlet_seeds(solution.problem, count)
     seeds = np.column_stack([x, np.full(count, nozzle.inlet_height * (1 - 1e-12))])
     paths = trace(field, seeds, nozzle.outlet, TRACING_TOLERANCE * width, 0.1 * width)
-    corners = np.array(
-        [(side * width / 2, y) for side in (-1, 1) for y in (nozzle.gap, nozzle.capillary_entrance)]
-    )
+    ends = product((-0.5 * width, 0.5 * width), (nozzle.gap, nozzle.capillary_entrance))
+    corners = np.array([*ends, (solution.contact_point, 0.0)])
     lines = []
     for k, path in enumerate(paths):
         history, psi, error = _history(field, solution.problem.melt, path, points)
-        near = np.linalg.norm(history.position[:, None, :2] - corners, axis=2).min()
+        distance = np.linalg.norm(history.position[:, None, :2] - corners, axis=2).min(axis=1)
         levels = (nozzle.capillary_entrance, nozzle.gap)
         zones = [_first_below(history, level) for level in levels]
         lines.append(
@@ -183,8 +184,8 @@ def trace_streamlines(
                 stream_function=psi,
                 gradient_error=error,
                 drift=float(np.ptp(psi)) / solution.problem.flux,
-                near_singularity=bool(near < NEAR_SINGULARITY * width),
-                middle_time=_first_below(history, nozzle.gap + nozzle.capillary_length / 2),
+                corner_distance=distance,
+                near_singularity=bool(distance.min() < NEAR_SINGULARITY * width),
                 zone_time=np.array([*zones, _settled(history, solution.problem.bed_speed)]),
             )
         )

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.finished import finished_results
+from fibermelt.engine.finished import finished_results, read_finished
 from fibermelt.engine.results import study_of
 from fibermelt.engine.stages import Parameters
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.cards import Card, load_card
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import SAME_TEMPERATURE, viscosity_of
+from fibermelt.parts.voids.answer import answered
+from fibermelt.parts.voids.bubbles import nuclei_of
 from fibermelt.parts.voids.config import Voids
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
 from fibermelt.parts.voids.part import with_orientation
@@ -24,7 +27,7 @@ from fibermelt.study.loading import resolve
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["VoidQuestion", "answer_voids"]
+__all__ = ["VoidQuestion", "answer_voids", "held_against"]
 
 STAGES = ("streamlines", "cell", "motion")
 """Whose data the results of a bead hold together."""
@@ -100,8 +103,10 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
         keys=ASKED,
     )
     fed = STAGES + with_orientation({"study.parts": study.study.parts})
-    viscosity = viscosity_of(Parameters(study.values()))
-    found = assess_bead(dict.fromkeys(fed, results), viscosity, melt, usual.layers)
+    values = Parameters(study.values())
+    found = assess_bead(
+        dict.fromkeys(fed, results), viscosity_of(values), melt, usual.layers, nuclei_of(values)
+    )
     answer = _summary(found, results)
     is_as_run = math.isclose(melt.temperature, table.temperature or 0.0, rel_tol=SAME_TEMPERATURE)
     if is_other or not is_as_run:
@@ -111,6 +116,30 @@ def answer_voids(directory: Path, question: VoidQuestion) -> dict[str, Any]:
             "and melt.temperature"
         )
     return answer
+
+
+def held_against(voids: Mapping[str, Any], other: Path) -> dict[str, Any]:
+    """Return what is said of a run's voids, told beside another finished run.
+
+    Parameters
+    ----------
+    voids : mapping
+        The ``"voids"`` of a summary.
+    other : Path
+        The results folder of the other.
+
+    Raises
+    ------
+    StoreError
+        If that holds no finished run with voids.
+    """
+    beside = read_finished(other).summary.get("voids")
+    if beside is None:
+        msg = f'{other}: the run has no voids: name "voids" in study.parts and run it again'
+        raise StoreError(msg)
+    layers = [one["severity"] for one in beside["profile"]]
+    found = {**voids, "against": {"name": other.name, **beside["severity"], "profile": layers}}
+    return {**found, "answer": answered(found)}
 
 
 def _other(material: str) -> Card:

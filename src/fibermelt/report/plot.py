@@ -129,8 +129,8 @@ def spread(
     ----------
     results : xarray.Dataset
         Results of a run with fibers.
-    location : {1, 2}
-        Above the middle of the capillary, or below it.
+    location : {0, 1, 2}
+        The whole way, before the capillary, or from the exit to the end of the swell.
     kind : {"min", "max"}
         The lowest or the highest pressure, less the melt's own.
     axes : Axes, optional
@@ -141,14 +141,18 @@ def spread(
     ConfigError
         If there is no such extreme.
     """
-    if location not in {1, 2} or kind not in {"min", "max"}:
-        msg = f'plot.spread: location = {location}, kind = "{kind}": must be 1 or 2, "min" or "max"'
-        raise ConfigError(msg)
     if "extreme" not in results:
         msg = "plot.spread: these results have no extremes of pressure: run the part bead"
         raise ConfigError(msg)
+    known = results["location"].to_numpy().tolist()
+    if location not in known or kind not in {"min", "max"}:
+        msg = (
+            f'plot.spread: location = {location}, kind = "{kind}": must be one of '
+            f'{", ".join(map(str, known))}, and "min" or "max"'
+        )
+        raise ConfigError(msg)
     axes = _axes(axes)
-    draw_spread(axes, results, location - 1, kind)
+    draw_spread(axes, results, location, kind)
     axes.set_ylabel("less the melt's own [MPa]")
     return axes
 

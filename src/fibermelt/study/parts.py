@@ -10,6 +10,7 @@ from fibermelt.engine.parts import Part
 __all__ = ["HOMES", "parts"]
 
 HOMES = (
+    "fibermelt.parts.process",
     "fibermelt.parts.flow",
     "fibermelt.parts.melt",
     "fibermelt.parts.bead",

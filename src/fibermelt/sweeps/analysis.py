@@ -46,6 +46,7 @@ __all__ = [
     "quantiles",
     "shares_below",
     "sobol_indices",
+    "why_no_effect",
     "why_no_indices",
 ]
 
@@ -254,6 +255,25 @@ def _shared(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
         return np.zeros(len(known), dtype=bool)
     sets = np.unique(known[:, count == count.max()], axis=1).T
     return np.asarray(max(sets, key=lambda one: np.count_nonzero(known[one].all(axis=0))))
+
+
+def why_no_effect(table: SweepTable) -> str:
+    """Return why a grid has no main effect of a parameter, and what gives it one.
+
+    Parameters
+    ----------
+    table : SweepTable
+        A grid, or one at a time, with cases that have no answer: of others there is an effect.
+    """
+    missing = f" ({table.missing})" if table.missing else ""
+    keys = [key for axis in table.axes for key in axis.keys]
+    together = ", ".join(keys[:2]) if len(keys) > 1 else "flow.inlet_speed, flow.bed_speed"
+    return (
+        "no two cases that have an answer are alike in all else that varies, so that what differs "
+        f"besides may be what moves it{missing}. See why cases have none; take ranges of which "
+        "every combination has an answer (a factorial); or, where only some combinations can be "
+        f'printed, vary what belongs together as one parameter, as in "{together}" = [...]'
+    )
 
 
 def shares_below(values: Array, weights: Array | None = None) -> tuple[Array, Array]:

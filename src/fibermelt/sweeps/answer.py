@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fibermelt.errors import ConfigError
-from fibermelt.sweeps.analysis import effect, quantiles, sobol_indices, why_no_indices
+from fibermelt.sweeps.analysis import (
+    effect,
+    quantiles,
+    sobol_indices,
+    why_no_effect,
+    why_no_indices,
+)
+from fibermelt.sweeps.responses import LEADS
 from fibermelt.sweeps.table import SweepTable, sweep_table
-from fibermelt.sweeps.window import drying_advice
+from fibermelt.sweeps.window import window_advice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,9 +26,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 __all__ = ["answer_sweep"]
-
-LEADS = ("void_critical_moisture_mean", "lowest_mean_2", "lowest_mean_1")
-"""What a sweep is about, as far as it has it: voids, else the pressure that makes them."""
 
 TOLD = 3
 """Parameters whose effects are told: the strongest."""
@@ -62,15 +64,14 @@ def answer_sweep(collected: xr.Dataset) -> tuple[str, ...]:
     lead = lead or next(iter(varying.values()))
     told = [_range(table, lead)]
     told.append(_spread(table, lead) if table.is_sampled else _effects(table, lead))
-    with suppress(ConfigError):  # no process window
-        told.append(drying_advice(collected))
+    told.append(window_advice(table))
     return tuple(sentence for sentence in told if sentence)
 
 
 def _range(table: SweepTable, lead: Response) -> str:
     """Return the lowest and the highest response, and where they are."""
     ends = (int(np.nanargmin(lead.values)), int(np.nanargmax(lead.values)))
-    low, high = (f"{_number(lead, lead.values[end])} ({table.point(end)})" for end in ends)
+    low, high = (f"{_found(lead, end)} ({table.point(end)})" for end in ends)
     count = int(np.count_nonzero(np.isfinite(lead.values)))
     without = len(table.status) - count
     rest = f"; {without} of {len(table.status)} cases have none" if without else ""
@@ -79,7 +80,7 @@ def _range(table: SweepTable, lead: Response) -> str:
 
 def _effects(table: SweepTable, lead: Response) -> str:
     """Return how far the response goes with each parameter, the strongest first."""
-    found, untold = [], []
+    found, untold, hidden = [], [], []
     for axis in table.axes:
         levels, (mean, _, _) = effect(table, lead, axis)
         there = np.isfinite(mean)
@@ -87,16 +88,22 @@ def _effects(table: SweepTable, lead: Response) -> str:
             first, last = np.flatnonzero(there)[[0, -1]]
             ends = (float(mean[first]), float(mean[last]))
             over = f"{axis.written(levels[first])} to {axis.written(levels[last])}"
+            span = float(np.ptp(mean[there]))
+            if span <= 2.0 * float(lead.limit.max()):
+                hidden.append(axis.title)
+                continue
             told = f"{axis.title} from {over}: {_number(lead, ends[0])} to {_number(lead, ends[1])}"
-            found.append((float(np.ptp(mean[there])), told))
+            found.append((span, told))
         elif len(levels) > 1:
             untold.append(axis.title)
     no_effect = (
-        f"What {_listed(untold)} alone would do cannot be told: no two cases that have an answer "
-        f"differ in nothing but {'that' if len(untold) == 1 else 'one of them'}."
+        f"What {_listed(untold)} alone would do cannot be told: {why_no_effect(table)}."
         if untold
         else ""
     )
+    if hidden:
+        by = _listed(hidden)
+        no_effect = f"By {by} it changes by less than its numerical error. {no_effect}".rstrip()
     if not found or (len(found) == 1 and _is_told(table, lead)):
         return no_effect
     found.sort(key=lambda one: -one[0])
@@ -167,6 +174,11 @@ def _half(lead: Response, lie: str, weights: Array | None = None) -> str:
         return f"Half {lie} at or below {_number(lead, middle)}"
     end = "lowest" if same[np.argmin(values)] else "highest"
     return f"{100 * share:.3g} % {lie} at {_number(lead, middle)}, the {end} value"
+
+
+def _found(lead: Response, case: int) -> str:
+    """Return the response of a case, unless its error does not tell it from zero."""
+    return "none detected" if lead.undetected[case] else _number(lead, lead.values[case])
 
 
 def _number(lead: Response, value: float) -> str:

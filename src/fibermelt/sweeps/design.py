@@ -31,7 +31,7 @@ from fibermelt.engine.tables import Tables
 from fibermelt.errors import ConfigError
 from fibermelt.parts.interaction.config import interacting
 from fibermelt.study.config import Config
-from fibermelt.study.loading import resolve
+from fibermelt.study.loading import renewed, resolve
 from fibermelt.sweeps.axes import MOST_CASES, Axis, read_axis
 
 if TYPE_CHECKING:
@@ -214,11 +214,16 @@ class Sweep:
             # What the study says of its own model is not true of another that is varied over.
             left = interacting(below, values) if section == "interaction" else below
             written[section] = {**left, **values}
+        whole = renewed({**self.tables, **written}, varied)
+        # What is lent may be another in each case: such tables are read anew, as they are written.
+        lent = {key.partition(".")[0] for key in Config.lent(whole)}
+        read = {name: table for name, table in self._sections.items() if name not in lent}
+        anew = {name: whole[name] for name in {*written, *lent} if name in whole}
         try:
-            config = Config.model_validate({**self._sections, **written})
+            config = Config.model_validate({**read, **anew})
         except ValidationError:
             try:
-                config = resolve({**self.tables, **written})
+                config = resolve(whole)
             except ConfigError as error:
                 what = ", ".join(f"{key} = {excerpt(value)}" for key, value in set_.items())
                 msg = f"case {index + 1} of the sweep ({what}): {error}{self._way_out(str(error))}"

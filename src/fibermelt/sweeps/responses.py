@@ -17,7 +17,16 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["Response", "responses_of"]
+__all__ = ["LEADS", "Response", "responses_of"]
+
+LEADS = (
+    "severity_fibers",
+    "severity_melt",
+    "void_critical_moisture_mean",
+    "lowest_mean_2",
+    "lowest_mean_1",
+)
+"""What a sweep is about, as far as it has it: how far voids grow, else what makes them."""
 
 SAME = 1e-6
 """Relative range below which a response is the same in all cases: solvers go to 1e-8 or so."""
@@ -47,6 +56,9 @@ class Response:
         What it is, in a sentence's part; empty where the title says it all.
     same : float
         Relative range below which its values are the same.
+    error : (cases,) ndarray, optional
+        Estimate of the numerical error of each [unit]: its limit of detection; NaN where none is
+        stated.
     """
 
     name: str
@@ -55,6 +67,17 @@ class Response:
     values: Array
     meaning: str = ""
     same: float = SAME
+    error: Array | None = None
+
+    @property
+    def limit(self) -> Array:
+        """Return the limit of detection of each case [unit]: its stated error, 0 without one."""
+        return np.zeros(len(self.values)) if self.error is None else np.nan_to_num(self.error)
+
+    @property
+    def undetected(self) -> NDArray[np.bool_]:
+        """Return which cases have a number that is not told from zero."""
+        return np.isfinite(self.values) & (self.limit > 0) & (np.abs(self.values) <= self.limit)
 
     @property
     def heading(self) -> str:
@@ -63,9 +86,14 @@ class Response:
 
     @property
     def varies(self) -> bool:
-        """Tell whether it is not the same in all cases that have it, of at least two."""
-        there = self.values[np.isfinite(self.values)]
-        return there.size > 1 and bool(np.ptp(there) > self.same * np.max(np.abs(there)))
+        """Tell whether it differs between cases by more than solvers and errors leave open."""
+        known = np.isfinite(self.values)
+        there, limit = self.values[known], self.limit[known]
+        if there.size < 2:
+            return False
+        low, high = int(np.argmin(there)), int(np.argmax(there))
+        open_ = max(self.same * float(np.max(np.abs(there))), float(limit[low] + limit[high]))
+        return bool(there[high] - there[low] > open_)
 
 
 def responses_of(
@@ -96,7 +124,8 @@ def responses_of(
         if one.response:
             values = one.derive(collected) if one.derive else collected.get(one.name)
             if values is not None and set(values.dims) == set(dimensions):
-                found.append(_response(one, values, dimensions, same))
+                error = collected.get(one.error)
+                found.append(_response(one, values, dimensions, same, error))
     if len([one for one in found if one.varies]) < ENOUGH:
         known = {key.rpartition(".")[2] for key in varied} | {one.name for one in found}
         room = MOST - len(found)
@@ -117,19 +146,31 @@ def _others(
         if not is_number or name in known or name in no_answers:
             continue
         told = Quantity(name, "", str(values.attrs.get("units", "1")), "")
-        one = _response(QUANTITIES.get(name, told), values, dimensions, same)
+        known_as = QUANTITIES.get(name, told)
+        one = _response(known_as, values, dimensions, same, collected.get(known_as.error))
         if one.varies:
             found.append(one)
     return found
 
 
 def _response(
-    quantity: Quantity, values: xr.DataArray, dimensions: Sequence[str], same: float
+    quantity: Quantity,
+    values: xr.DataArray,
+    dimensions: Sequence[str],
+    same: float,
+    error: xr.DataArray | None,
 ) -> Response:
     """Return a quantity of the cases as a response, in the unit that it is shown in."""
     title = quantity.title or quantity.name.replace("_", " ").capitalize()
     numbers = quantity.factor * _flat(values, dimensions)
-    return Response(quantity.name, title, quantity.shown_unit, numbers, quantity.meaning, same)
+    limit = None
+    if error is not None and set(error.dims) == set(dimensions):
+        stated = QUANTITIES.get(quantity.error)
+        relative = stated is not None and stated.relative
+        limit = _flat(error, dimensions) * (np.abs(numbers) if relative else quantity.factor)
+    return Response(
+        quantity.name, title, quantity.shown_unit, numbers, quantity.meaning, same, limit
+    )
 
 
 def _flat(values: xr.DataArray, dimensions: Sequence[str]) -> Array:

@@ -63,8 +63,8 @@ def list_plan(
         ``"stages"``: for each stage how many different ``"results"`` the cases need, how many of
         them are ``"kept"`` in the folder, and ``"stored"`` there by now, and how many start
         ``"warm"`` from a neighbour's; ``"estimate"``: as `Estimate` has it, with the ``"workers"``
-        that it is for; ``"each"``: every case with its ``"point"``, its ``"stages"`` and its
-        ``"status"``.
+        that it is for; ``"notes"``: what to know of the study without its sweep; ``"each"``: every
+        case with its ``"point"``, its ``"stages"`` and its ``"status"``.
     """
     plan = plan_sweep(sweep, study, chain)
     cases = CaseStore(directory)
@@ -92,6 +92,7 @@ def list_plan(
             }
             for name, count in plan.shared().items()
         },
+        "notes": study.config.notes(),
         "estimate": {**asdict(estimate(plan, directory, pending, workers)), "workers": workers},
         "each": each,
     }

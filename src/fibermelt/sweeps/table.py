@@ -121,6 +121,15 @@ class SweepTable:
         """Return the responses that are not the same in all cases."""
         return tuple(one for one in self.responses if one.varies)
 
+    @property
+    def missing(self) -> str:
+        """Return how many cases have no answer, and why in a word; empty if all have one."""
+        told = []
+        for status, word in (("failed", "failed"), ("pending", "not finished")):
+            if count := self.status.count(status):
+                told.append(f"{count} {word}")
+        return f"of {len(self.status)} cases {', '.join(told)}" if told else ""
+
     def point(self, case: int) -> str:
         """Return what a case is, in words."""
         if self.groups and case == 0:

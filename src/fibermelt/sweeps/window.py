@@ -1,87 +1,117 @@
-"""The process window of a sweep: critical moisture against print speed and gap, and its advice.
+"""The process window of a sweep: where over two parameters its leading responses are low, and high.
 
-A collected sweep is a dataset with a dimension for each thing that varies, named by its key, and
-the variables of the cases over them; cases that failed are NaN. That is all that is asked of it.
+A window is a grid over two numbers. What it is over is how far a nucleus grows (severity), as far
+as the sweep has it, else the next of `LEADS`. A number that its stated error does not tell from
+zero is none: no contour is drawn through it, and no sentence ranks it.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fibermelt.errors import ConfigError
+from fibermelt.sweeps.responses import LEADS, Response
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
+
+    from fibermelt.sweeps.table import SweepTable, Varied
 
     Array = NDArray[np.float64]
 
-__all__ = ["GAP", "SPEED", "critical_moistures", "drying_advice"]
+__all__ = ["Window", "window_advice", "window_of"]
 
-SPEED, GAP = "flow.bed_speed", "flow.gap"
-"""Keys of a study that the window's axes are named by."""
-
-MEASURES = ("void_critical_moisture", "void_critical_moisture_mean")
-"""For any direction of a fiber at the worst place; for the median fiber, mean by flux."""
+MEASURES = 2
+"""Responses side by side."""
 
 
-def critical_moistures(collected: xr.Dataset) -> tuple[Array, Array]:
-    """Return critical moistures [-] of the worst fiber and of the median one, (speed, gap).
-
-    Where no moisture that the polymer can hold starts a void the worst fiber's is saturation; NaN
-    is a case that has no numbers.
+@dataclass(frozen=True, eq=False)
+class Window:
+    """A grid over two numbers, and the responses over it.
 
     Parameters
     ----------
-    collected : xarray.Dataset
-        A collected sweep over `SPEED` and `GAP` of a study with the part "voids".
-
-    Raises
-    ------
-    ConfigError
-        If it varies by something else, or has no voids.
+    across, up : Varied
+        What varies along it, and upwards.
+    cases : (up, across) ndarray
+        Which case of the sweep stands where, both parameters in rising order.
+    measures : tuple of Response
+        What it is over.
     """
-    if missing := [
-        name for name in (*MEASURES, "void_saturation_moisture") if name not in collected
-    ]:
-        msg = f'the sweep has no {missing[0]}: name "voids" in study.parts and run it again'
-        raise ConfigError(msg)
-    if set(collected[MEASURES[0]].dims) != {SPEED, GAP}:
-        over = ", ".join(map(str, collected[MEASURES[0]].dims)) or "nothing"
-        msg = f"a process window is a sweep over {SPEED} and {GAP}, this one is over {over}"
-        raise ConfigError(msg)
-    worst, median = (collected[name].transpose(SPEED, GAP).to_numpy() for name in MEASURES)
-    # The median's mean is there wherever the case is; the worst's NaN then says: none suffices.
-    most = np.broadcast_to(collected["void_saturation_moisture"].max().to_numpy(), worst.shape)
-    return np.where(np.isnan(worst) & ~np.isnan(median), most, worst), median
+
+    across: Varied
+    up: Varied
+    cases: NDArray[np.intp]
+    measures: tuple[Response, ...]
+
+    def over(self, values: Array) -> Array:
+        """Return what each case has where it stands, (up, across)."""
+        found: Array = values[self.cases]
+        return found
 
 
-def drying_advice(collected: xr.Dataset) -> str:
-    """Return what a process window advises on drying, in one sentence.
+def window_of(table: SweepTable) -> Window | None:
+    """Return the process window of a sweep; None if it is no grid over two numbers.
 
-    Parameters and errors as of `critical_moistures`.
+    Parameters
+    ----------
+    table : SweepTable
+        The sweep. Parameters of a single value may stand beside the two.
     """
-    worst, median = critical_moistures(collected)
-    if np.all(np.isnan(worst)):
-        return "No case of the sweep has a critical moisture: there is no advice on drying."
-    speeds, gaps = (1e3 * collected[name].to_numpy() for name in (SPEED, GAP))
-    best = np.unravel_index(np.nanargmax(worst), worst.shape)
-    at = f"{speeds[best[0]]:.3g} mm/s and a gap of {gaps[best[1]]:.3g} mm"
-    easiest = np.unravel_index(np.nanargmax(median), median.shape)
-    if worst[best] <= 0.0:
-        return (
-            "No drying keeps every fiber free of voids at any of these speeds and gaps: slow "
-            f"down; half of the fibers stay free of them on average below "
-            f"{100 * median[easiest]:.2g} % at {speeds[easiest[0]]:.3g} mm/s and a gap of "
-            f"{gaps[easiest[1]]:.3g} mm."
-        )
-    good = np.any(worst > 0.0, axis=1)
-    lost = ~good & np.any(~np.isnan(worst), axis=1) & (speeds > speeds[good].max())
-    hopeless = sorted(float(speed) for speed in speeds[lost])
-    beyond = f"; from {hopeless[0]:.3g} mm/s on, drying alone does not do" if hopeless else ""
-    return (
-        f"Dry below {100 * worst[best]:.2g} % and print at {at} to keep every fiber free of "
-        f"voids{beyond}."
+    if table.design != "grid":
+        return None
+    moving = [k for k, count in enumerate(table.shape) if count > 1]
+    if len(moving) != 2 or any(table.axes[k].labels for k in moving):
+        return None
+    known = {one.name: one for one in table.responses if np.isfinite(one.values).any()}
+    measures = tuple(known[name] for name in LEADS if name in known)[:MEASURES]
+    if not measures:
+        return None
+    first, second = (table.axes[k] for k in moving)
+    places = np.arange(len(table.status)).reshape([table.shape[k] for k in moving])
+    rows, columns = (
+        np.argsort(axis.values[line], kind="stable")
+        for axis, line in ((first, places[:, 0]), (second, places[0]))
     )
+    return Window(first, second, places[np.ix_(rows, columns)].T, measures)
+
+
+def window_advice(table: SweepTable) -> str:
+    """Return where the responses of a process window are lowest, and where they are not detected.
+
+    Parameters
+    ----------
+    table : SweepTable
+        The sweep; nothing is said of one without a window.
+    """
+    window = window_of(table)
+    if window is None:
+        return ""
+    told = [sentence for one in window.measures if (sentence := _lowest(table, one))]
+    return " ".join(told)
+
+
+def _lowest(table: SweepTable, response: Response) -> str:
+    """Return where a severity is least, or is not detected; nothing of what is no severity."""
+    if not response.name.startswith("severity"):
+        return ""
+    known, none = np.isfinite(response.values), response.undetected
+    # Nothing above zero needs no error to be none.
+    none |= known & (response.values == 0.0)
+    count = int(np.count_nonzero(known))
+    if none.any():
+        if none.sum() == count:
+            return f"{response.title}: not detected in any case."
+        first = table.point(int(np.flatnonzero(none)[0]))
+        return (
+            f"{response.title}: not detected in {np.count_nonzero(none)} of {count} cases, among "
+            f"them {first}."
+        )
+    if not response.varies:
+        return ""
+    best = int(np.nanargmin(response.values))
+    error = response.limit[best]
+    margin = f" ± {error:.1g}" if error else ""
+    return f"{response.title}: least, {response.values[best]:.3g}{margin}, at {table.point(best)}."

@@ -9,6 +9,8 @@ from __future__ import annotations
 from fibermelt.voids.constants import ATMOSPHERE
 from fibermelt.voids.criteria import MechanicalCriterion, ResidenceCondition
 from fibermelt.voids.diffusion import Arrhenius, FreeVolume
+from fibermelt.voids.exposure import GrowthExponent, growth_exponent
+from fibermelt.voids.growth import BubbleMelt, Growth, Surroundings, Tip, grow, viscous_resistance
 from fibermelt.voids.margin import Assessment, Onset, assess, assess_onset
 from fibermelt.voids.melt import VolatileMelt
 from fibermelt.voids.nucleation import (
@@ -32,8 +34,11 @@ __all__ = [
     "ActivityLaw",
     "Arrhenius",
     "Assessment",
+    "BubbleMelt",
     "ClassicalNucleation",
     "FreeVolume",
+    "Growth",
+    "GrowthExponent",
     "Henry",
     "Isotherm",
     "LinearTension",
@@ -41,6 +46,8 @@ __all__ = [
     "Onset",
     "Parachor",
     "ResidenceCondition",
+    "Surroundings",
+    "Tip",
     "VolatileMelt",
     "Wetting",
     "assess",
@@ -48,9 +55,12 @@ __all__ = [
     "critical_moisture",
     "critical_radius",
     "girifalco_good",
+    "grow",
+    "growth_exponent",
     "molecules_per_volume",
     "saturation_pressure",
     "tension_at_density",
     "vapor_angle",
+    "viscous_resistance",
     "wetting_factor",
 ]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
-from fibermelt.errors import ConfigError, refuse_no_number
+from fibermelt.errors import ConfigError, HistoryError, refuse_no_number
 
 __all__ = [
     "checked_moisture",
@@ -16,6 +16,7 @@ __all__ = [
     "checked_span",
     "checked_value",
     "checked_vapor",
+    "refuse_no_path",
 ]
 
 Array = NDArray[np.float64]
@@ -201,3 +202,40 @@ def checked_vapor(vapor_pressure: ArrayLike, saturation: Array) -> Array:
         )
         raise ConfigError(msg)
     return vapor
+
+
+def refuse_no_path(time: Array, name: str, values: Array) -> None:
+    """Refuse times and values that are no paths.
+
+    Parameters
+    ----------
+    time : (..., n) array
+        Time [s].
+    name : str
+        What the values are called, for messages.
+    values : (..., n) array
+        A value at each time.
+
+    Raises
+    ------
+    HistoryError
+        If there are not as many of one as of the other, at least two, one is not finite, or time
+        does not increase.
+    """
+    n = time.shape[-1] if time.ndim else 0
+    if n < 2 or values.ndim == 0 or values.shape[-1] != n:
+        msg = (
+            f"time has shape {time.shape} and {name} {values.shape}: both need the same number of "
+            "points on the last axis, at least 2"
+        )
+        raise HistoryError(msg)
+    for key, array in (("time", time), (name, values)):
+        if not np.all(np.isfinite(array)):
+            where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+            msg = f"{key}{list(where)} = {array[where]} is not finite"
+            raise HistoryError(msg)
+    steps = np.diff(time, axis=-1)
+    if np.any(steps <= 0.0):
+        where = tuple(int(i) for i in np.argwhere(steps <= 0.0)[0])
+        msg = f"time must increase strictly: the step after time{list(where)} is {steps[where]:g} s"
+        raise HistoryError(msg)

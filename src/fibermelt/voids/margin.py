@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fibermelt.arrays import real_array
 from fibermelt.errors import HistoryError
-from fibermelt.voids.checks import checked_range, checked_value
+from fibermelt.voids.checks import checked_range, checked_value, refuse_no_path
 from fibermelt.voids.constants import ATMOSPHERE
 from fibermelt.voids.criteria import ResidenceCondition
 from fibermelt.voids.nucleation import (
@@ -101,7 +101,7 @@ def assess(
     """
     t = real_array("time", time, error=HistoryError, duration=True)
     gauge = real_array("lowest_pressure", lowest_pressure, error=HistoryError)
-    _refuse_unpaired(t, gauge)
+    refuse_no_path(t, "lowest_pressure", gauge)
     checked_value("ambient", ambient, "Pa", least=0.0, remedy="it is absolute: 101325 Pa")
     wanted = checked_range("vapor_pressure", vapor_pressure, (0.0, np.inf), "Pa")
     try:
@@ -126,27 +126,6 @@ def assess(
         time_below=time_below,
         first_below=first_below,
     )
-
-
-def _refuse_unpaired(t: Array, gauge: Array) -> None:
-    """Refuse times and pressures that are no paths."""
-    n = t.shape[-1] if t.ndim else 0
-    if n < 2 or gauge.ndim == 0 or gauge.shape[-1] != n:
-        msg = (
-            f"time has shape {t.shape} and lowest_pressure {gauge.shape}: both need the same "
-            "number of points on the last axis, at least 2"
-        )
-        raise HistoryError(msg)
-    for name, value in (("time", t), ("lowest_pressure", gauge)):
-        if not np.all(np.isfinite(value)):
-            where = tuple(int(i) for i in np.argwhere(~np.isfinite(value))[0])
-            msg = f"{name}{list(where)} = {value[where]} is not finite"
-            raise HistoryError(msg)
-    steps = np.diff(t, axis=-1)
-    if np.any(steps <= 0.0):
-        where = tuple(int(i) for i in np.argwhere(steps <= 0.0)[0])
-        msg = f"time must increase strictly: the step after time{list(where)} is {steps[where]:g} s"
-        raise HistoryError(msg)
 
 
 def _stay(t: Array, excess: Array) -> tuple[Array, Array]:

@@ -28,8 +28,9 @@ Law = TypeVar("Law")
 
 RESULTS: Mapping[str, str] = {
     "isotherm": "vapor pressure, margin, critical moisture, and whatever follows from them",
-    "diffusion": "critical time, no residence condition",
-    "surface": "critical radius, nucleation rate and the wetting that would start it",
+    "diffusion": "critical time, no residence condition, no growth of bubbles",
+    "surface": "critical radius, nucleation rate and the wetting that would start it, no growth of "
+    "bubbles",
     "contact_angle": "heterogeneous rate: the rate is the homogeneous one, a lower bound",
 }
 """What a melt without a law cannot give."""

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn_bead import made_up
+from stored_bead import stored_results
 
 from fibermelt.engine.parts import in_words
 from fibermelt.engine.quantities import labelled
@@ -131,17 +133,22 @@ def test_in_words_says_where_to_look(tmp_path):
     assert "cost            flow 12.0 s, this run 20.0 s" in text
     assert "bead height     1.000 mm" in text
     assert "stalls at 7.39 deg" in text
-    assert "lowest in the nozzle" not in text
-    assert "every streamline passes a singular corner" in text
+    assert "lowest in the swell" not in text
+    assert "every streamline passes a sharp corner" in text
 
 
-def paper_like(lowest, flagged):
+def paper_like(lowest, flagged, felt=None):
     """A summary of one streamline for each of some lowest pressures [MPa], some flagged."""
     summary = summarize_bead(results())
     line, extreme = summary["streamlines"][0], summary["extremes"]
     summary["streamlines"] = [
         {**line, "index": k, "near_singularity": k in flagged} for k in range(1, len(lowest) + 1)
     ]
+    summary["left_out"] = {
+        "streamlines": sorted(flagged),
+        "share": len(flagged) / len(lowest),
+        "felt_lowest": felt,
+    }
     summary["paths"] = [{**summary["paths"][0], "index": k + 1} for k in range(len(lowest))]
     summary["extremes"] = [
         {**one, "streamline": k, "lowest": -1e6 * value}
@@ -154,7 +161,25 @@ def paper_like(lowest, flagged):
 def test_streamlines_past_a_singular_corner_do_not_count():
     text = told(paper_like([9.0, 2.0, 3.0, 8.0], {1, 4}))
     assert text.count("3.00 MPa below the melt's own pressure, on streamline 3") == 2
-    assert "streamlines 1, 4 pass a singular corner and are left out (2 of 4)" in text
+    assert "streamlines 1, 4, 50 % of the flux: they pass a sharp corner" in text
+    assert "no fiber there" not in text
+
+
+def test_what_is_left_out_is_told_with_its_share_and_what_is_felt_there():
+    """The lowest that is felt on flagged streamlines; none of a flow without known corners."""
+    bead = made_up(count=22)
+    flagged = bead["near_singularity"].to_numpy() > 0
+    found = summarize_bead(stored_results(count=22))["left_out"]
+    assert found["streamlines"] == bead["streamline"].to_numpy()[flagged].tolist() == [1, 22]
+    assert found["share"] == pytest.approx(2 / 22)
+    assert found["felt_lowest"] == float(bead["felt_lowest"].to_numpy()[flagged].min())
+    assert summarize_bead(stored_results(count=22).drop_vars("felt_lowest"))["left_out"] == {
+        **found,
+        "felt_lowest": None,
+    }
+    text = told(paper_like([9.0, 2.0, 3.0], {1}, felt=-1.5e6))
+    assert "streamline 1, 33.3 % of the flux: it passes a sharp corner" in text
+    assert "no fiber there comes more than 1.50 MPa below the melt's own" in text
 
 
 def test_nothing_is_said_of_corners_that_none_passes():
@@ -165,9 +190,8 @@ def test_nothing_is_said_of_corners_that_none_passes():
 
 def test_many_flagged_streamlines_fit_on_a_line():
     text = told(paper_like([1.0] * 500, set(range(2, 500))))
-    assert "streamlines 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, ... pass" in text
-    assert "(498 of 500)" in text
-    assert "streamline 2 passes a singular" in told(paper_like([1.0, 1.0], {2}))
+    assert "streamlines 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, ..., 99.6 % of the flux" in text
+    assert "it passes a sharp corner" in told(paper_like([1.0, 1.0], {2}))
 
 
 def test_the_results_folder_is_told_on_one_line():

@@ -32,20 +32,17 @@ def test_without_stations_nothing_rests_on_them() -> None:
     assert named(straight(1.0)) == {}
 
 
-def test_stations_and_the_middle_between_them() -> None:
+def test_stations_are_the_zones() -> None:
     found = named(straight(1.0, 2.0), entrance="x = 200 mm", exit="x = 0.6 m")
     assert found["zone"] == [1, 2]
     assert found["zone_time"] == pytest.approx(np.array([[0.2, 0.6]] * 2), abs=1e-14)
-    assert found["middle_time"] == pytest.approx([0.4, 0.4], abs=1e-14)
     found = named(straight(1.0), exit="x = 0.6 m", end_of_swell="x = 0.9 m")
     assert found["zone"] == [2, 3]
-    assert "middle_time" not in found
 
 
 def test_a_path_that_ends_before_a_station() -> None:
     found = named(straight(0.3, 1.0), entrance="x = 0.2 m", exit="x = 0.6 m")
     assert np.isnan(found["zone_time"]).tolist() == [[False, True], [False, False]]
-    assert "middle_time" not in found  # extremes of every path need both sides
     short, whole = found["path_notes"]
     assert short.endswith("does not reach paths.exit")
     assert "reach" not in whole

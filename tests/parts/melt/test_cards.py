@@ -15,8 +15,10 @@ from fibermelt.units import parse
 SHIPPED = [
     "abs",
     "abs-cf13-thinning",
+    "abs-cf20",
     "abs-power-law",
     "made-up-carreau",
+    "pa6-cf20",
     "pa66-gf30",
     "paper",
     "pei",
@@ -24,7 +26,7 @@ SHIPPED = [
     "pla-cf14",
     "ps",
 ]
-MOIST = ["abs-cf13-thinning", "paper", "pei", "pla", "pla-cf14"]
+MOIST = ["abs-cf13-thinning", "abs-cf20", "pa6-cf20", "paper", "pei", "pla", "pla-cf14"]
 """Those that say how they hold moisture."""
 
 WHOLE = """
@@ -128,7 +130,7 @@ def test_a_hole_names_its_keys_its_cost_and_the_way_out():
     with pytest.raises(
         ConfigError,
         match=r"material PLA: diffusion\.prefactor, diffusion\.activation_energy: no value in the "
-        r"card, so no critical time, no residence condition; give it in a card of your own",
+        r"card, so no critical time, no residence condition, no growth of bubbles; give it",
     ):
         melt.residence(483.15)
 

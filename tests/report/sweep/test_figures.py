@@ -8,6 +8,7 @@ from swept_cases import GAP, GRID, NUMBERS, ONE_AT_A_TIME, SPEED, VISCOSITY, mad
 
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.report.sweep.figures import effects_words, sweep_effects, sweep_plates
+from fibermelt.report.sweep.maps import map_words, sweep_maps
 from fibermelt.study.loading import load_study
 from fibermelt.sweeps.analysis import effect, sobol_indices
 from fibermelt.sweeps.design import read_sweep
@@ -128,7 +129,51 @@ def test_a_figure_says_where_no_effect_can_be_told(tmp_path):
     figure = sweep_effects(collected)
     told = [text.get_text() for chart in figure.axes for text in chart.texts]
     assert told == ["cannot be told"] * 2
-    assert "by what cannot be told" in effects_words(collected).alt
+    words = effects_words(collected)
+    assert "by what cannot be told" in words.alt
+    assert "What gap or viscosity does cannot be told: no two cases" in words.caption
+    assert "(of 6 cases 4 failed)" in words.caption
+    assert "a factorial" in words.caption
+
+
+def crosses(chart):
+    """Where failed cases are marked in a chart."""
+    return [x for line in chart.lines if line.get_marker() == "X" for x in line.get_xdata()]
+
+
+def test_failed_cases_have_a_mark_of_their_own_and_are_counted(tmp_path):
+    collected = made_up(tmp_path, GRID, NUMBERS, failed={1, 5})
+    charts = sweep_effects(collected).axes
+    assert [crosses(chart) for chart in charts[:2]] == [[2.5, 4.0], [800.0]]
+    assert "Crosses: values with failed cases, 2 of 6 in all." in effects_words(collected).caption
+    # A field for each case, the first parameter upwards: 2.5 and 4 mm at 800 Pa s.
+    first = sweep_maps(collected).axes[0]
+    at = [(x, y) for line in first.lines for x, y in line.get_xydata() if line.get_marker() == "X"]
+    assert sorted(at) == [(1.0, 0.0), (1.0, 2.0)]
+    assert "Grey: no answer, cross: failed (of 6 cases 2 failed)." in map_words(collected).caption
+    whole = made_up(tmp_path, GRID, NUMBERS)
+    assert "Crosses" not in effects_words(whole).caption
+    assert "Grey" not in map_words(whole).caption
+
+
+def test_what_is_not_told_from_zero_is_drawn_as_that(tmp_path):
+    numbers = {
+        "severity_melt": ("1", lambda point: 2e3 * (point[GAP] - 2.5e-3)),
+        "severity_melt_error": ("1", lambda _: 0.25),
+    }
+    collected = made_up(tmp_path, GRID, numbers)
+    assert "Dotted: below the numerical error" in effects_words(collected).caption
+    (band,) = (patch for patch in sweep_effects(collected).axes[0].patches if patch.get_hatch())
+    assert (band.get_y(), band.get_height()) == (-0.25, 0.5)
+    told = [text.get_text() for text in sweep_maps(collected).axes[0].texts]
+    assert told == ["< 0.3"] * 2 + ["1"] * 2 + ["3"] * 2
+
+
+def test_keys_that_vary_together_are_one_parameter(tmp_path):
+    text = f'"{SPEED}, {GAP}" = [["90 mm/s", "2.5 mm"], ["100 mm/s", "3 mm"]]\n"{VISCOSITY}" = [1]'
+    caption = effects_words(made_up(tmp_path, text, NUMBERS)).caption
+    assert "which of them moves a response cannot be told" in caption
+    assert "vary together" not in effects_words(made_up(tmp_path, GRID, NUMBERS)).caption
 
 
 def test_one_at_a_time_each_parameter_has_its_own_cases_and_the_study(tmp_path):

@@ -46,8 +46,25 @@ def _means(results: xr.Dataset, location: int, kind: str) -> Array:
 
 def _extreme(results: xr.Dataset, name: str, location: int, kind: str) -> Array:
     """Return a variable of the extremes, (streamline, initial angle)."""
-    of = results[name].transpose("streamline", "initial_angle", "location", "kind").to_numpy()
-    return np.asarray(of[:, :, location - 1, 0 if kind == "min" else 1])
+    of = results[name].sel(location=location, kind=kind)
+    return np.asarray(of.transpose("streamline", "initial_angle").to_numpy())
+
+
+def _deepest(results: xr.Dataset, name: str, first: int, last: int) -> Array:
+    """Return a variable where each fiber's surface pressure less the melt's is lowest on a stretch.
+
+    (streamline, initial angle); between zones ``first`` and ``last``, from the inlet for 0 and to
+    the outlet for 4. Claims on where the extremes of a location lie are judged on a stretch that
+    reaches beyond it: within the location there would be nothing to judge.
+    """
+    ends = np.pad(results["zone_time"].to_numpy(), ((0, 0), (1, 1)), constant_values=(-np.inf,))
+    ends[:, -1] = np.inf
+    time = results["time"].transpose("streamline", "point").to_numpy()
+    here = (time >= ends[:, first, None]) & (time <= ends[:, last, None])
+    lowest = results["lowest"].transpose("streamline", "initial_angle", "point").to_numpy()
+    at = np.argmin(np.where(here[:, None], lowest, np.inf), axis=-1)
+    values = results[name].transpose("streamline", "point").to_numpy()
+    return np.asarray(np.take_along_axis(values, at, axis=-1))
 
 
 def _height(results: xr.Dataset) -> Array:
@@ -68,13 +85,13 @@ def entrance_minimum_range(results: xr.Dataset) -> float:
     return float(np.ptp(means) / abs(means.mean()))
 
 
-@needs("extreme_y", "near_singularity")
+@needs("lowest", "zone_time", "near_singularity")
 def entrance_minimum_height(results: xr.Dataset) -> float:
-    """Return how far above the entrance the mean place of the minimum at Loc. 1 is [m], lowest."""
+    """Return how far above the entrance the mean place of the nozzle's minimum is [m], lowest."""
     return float(_above_entrance(results).min())
 
 
-@needs("extreme_y", "near_singularity")
+@needs("lowest", "zone_time", "near_singularity")
 def entrance_minimum_reach(results: xr.Dataset) -> float:
     """Return how far above the entrance the mean place of the minimum is, in widths, highest."""
     return float(_above_entrance(results).max() / study_of(results)["flow"]["capillary_width"])
@@ -82,7 +99,7 @@ def entrance_minimum_reach(results: xr.Dataset) -> float:
 
 def _above_entrance(results: xr.Dataset) -> Array:
     nozzle = study_of(results)["flow"]
-    places = _extreme(results, "extreme_y", 1, "min").mean(axis=1)[regular_lines(results)]
+    places = _deepest(results, "y", 0, 2).mean(axis=1)[regular_lines(results)]
     above: Array = places - (nozzle["gap"] + nozzle["capillary_length"])
     return above
 
@@ -109,11 +126,11 @@ def deepest_from_left(results: xr.Dataset) -> float:
     return float(results["flux_fraction"].to_numpy()[regular][deepest])
 
 
-@needs("extreme_time", "zone_time", "near_singularity")
+@needs("lowest", "zone_time", "near_singularity")
 def exit_minimum_within_swell(results: xr.Dataset) -> float:
-    """Return the share of fibers whose minimum at Loc. 2 lies between zones 2 and 3."""
+    """Return the share of fibers whose minimum from zone 1 on lies between zones 2 and 3."""
     regular, zone = regular_lines(results), results["zone_time"].to_numpy()
-    when = _extreme(results, "extreme_time", 2, "min")
+    when = _deepest(results, "time", 1, 4)
     within = (when >= zone[:, 1, None]) & (when <= zone[:, 2, None])
     return float(np.mean(within[regular]))
 

@@ -74,10 +74,10 @@ def dimensions_words(results: xr.Dataset) -> Words:
             "What the plane ellipse costs. (a) Highest pressure on a fiber over a turn in simple "
             f"shear; spheroid over unbounded ellipse: {told}. (b) Lowest pressure on the surface "
             f"along streamline {number}, less the streamline's own: over {angles} initial angles "
-            "in the plane (continuous), over every orientation (dashed); grey: middle of the "
-            "capillary. (c) Lowest on the way, above the middle of the capillary (Loc. 1) and "
-            "below it (Loc. 2): mean (open) and lowest (filled) over the initial angles, and the "
-            "bound over every orientation (bar), by streamline."
+            "in the plane (continuous), over every orientation (dashed); grey: zones 1 to 3. "
+            "(c) Lowest on the whole way, before the capillary (Loc. 1) and from the exit to the "
+            "end of the swell (Loc. 2): mean (open) and lowest (filled) over the initial angles, "
+            "and the bound over every orientation (bar), by streamline."
         ),
         alt=(
             "Three panels. In simple shear the pressure of the spheroid grows faster with the "
@@ -98,7 +98,7 @@ def dimensions_words(results: xr.Dataset) -> Words:
 )
 def figure_dimensions(results: xr.Dataset) -> Figure:
     """Draw peaks in shear, the lowest pressures on the way, and their minima, by model."""
-    tall = 4.2 * 2 * results.sizes["feature"] + 4
+    tall = 4.2 * results.sizes["location"] * results.sizes["feature"] + 4
     figure = new_figure(COLUMN, 123 + tall)
     peaks = add_axes(figure, 13, 73 + tall, 74, 34)
     along = add_axes(figure, 13, 25 + tall, 74, 34)
@@ -161,7 +161,8 @@ def _along(axes: Axes, results: xr.Dataset) -> None:
     loud = time[np.flatnonzero(deepest < QUIET * deepest.min())]
     margin = 0.04 * float(loud[-1] - loud[0])
     axes.set_xlim(max(0.0, loud[0] - margin), min(time[-1], loud[-1] + margin))
-    axes.axvline(float(here["feature_middle_time"]), color=GREY, linewidth=0.6, zorder=1)
+    for when in here["feature_zone_time"].to_numpy():
+        axes.axvline(float(when), color=GREY, linewidth=0.6, zorder=1)
     axes.set_ylim(None, 0.0)
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_xlabel("time since the inlet [s]")
@@ -173,9 +174,9 @@ def _minima(axes: Axes, results: xr.Dataset) -> None:
     ticks, labels = [], []
     for f, streamline in enumerate(results["feature_streamline"].to_numpy()):
         for k, location in enumerate(results["location"].to_numpy()):
-            line = -(2.0 * f + k)
+            line = -float(results.sizes["location"] * f + k)
             ticks.append(line)
-            labels.append(f"{streamline}, Loc. {location}")
+            labels.append(f"{streamline}, Loc. {location}" if location else f"{streamline}")
             for m, (name, (color, mark)) in enumerate(LOOKS.items()):
                 one = results.isel(feature=f).sel(location=location, dimension_model=name)
                 values = MPA * one["feature_extreme"].to_numpy()

@@ -23,7 +23,7 @@ PART = Part(
     brings=(
         Stage(
             "dimensions",
-            1,
+            2,
             (
                 "sensitivity.aspect_ratios",
                 LAW,

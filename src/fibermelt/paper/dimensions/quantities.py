@@ -18,9 +18,9 @@ QUANTITIES = declared(
     Q("peak_pressure", "unbounded_model peak", "1", "highest pressure in shear over mu gamma_dot"),
     Q("peak_at_ratio", "dimension_model ratio", "1", "highest pressure in shear over mu gamma_dot"),
     Q("planar_angle", "planar_angle", "rad", "angle of the fiber at the inlet, in the plane"),
-    Q("feature_streamline", "feature", "1", "number of the streamline, from the left edge"),
+    Q("feature_streamline", "feature", "1", "number of the streamline, from the upstream edge"),
     Q("feature_time", "feature point", "s", "time since the inlet"),
-    Q("feature_middle_time", "feature", "s", "time at the middle of the capillary"),
+    Q("feature_zone_time", "feature zone", "s", "time at which the zone is reached"),
     Q("feature_bound", f"{_FEATURE} point", "Pa", "lowest pressure over every orientation"),
     Q("feature_lowest", f"{_FEATURE} point", "Pa", "lowest pressure over the initial angles"),
     Q("feature_extreme", f"{_FEATURE} planar_angle location", "Pa",
@@ -29,4 +29,5 @@ QUANTITIES = declared(
       "lowest pressure on the way over every orientation"),
 )
 # fmt: on
-"""What this part stores, by name; beside the labels ``ratio`` and ``location`` of others."""
+"""What this part stores, by name; beside the labels ``ratio``, ``zone`` and
+``location`` of others."""

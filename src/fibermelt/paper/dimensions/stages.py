@@ -15,7 +15,7 @@ import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Parameters, Say
-from fibermelt.fiber.extremes import KINDS, extreme_bounds, extremes
+from fibermelt.fiber.extremes import KINDS, extreme_bounds, extremes, locations
 from fibermelt.fiber.motion import follow
 from fibermelt.fiber.pressure import pressure_bounds, surface_pressure
 from fibermelt.paper.dimensions.quantities import QUANTITIES
@@ -27,7 +27,7 @@ from fibermelt.parts.bead.beside import (
     unbounded_models,
 )
 from fibermelt.parts.bead.quantities import QUANTITIES as BEAD
-from fibermelt.parts.bead.stages import domain_size, stored_path
+from fibermelt.parts.bead.stages import domain_size, stored_path, stored_zones
 from fibermelt.parts.melt.melt import newtonian_viscosity
 
 if TYPE_CHECKING:
@@ -117,20 +117,23 @@ def _along(parameters: Parameters, lines: xr.Dataset, models: list[FiberModel]) 
     """Return the lowest pressures along the feature streamlines, by model."""
     rows = feature_rows(lines["flux_fraction"].to_numpy(), parameters["streamlines.features"])
     chosen = lines.isel(streamline=rows)
-    path, middle = stored_path(chosen), chosen["middle_time"].to_numpy()
-    found = [_lowest_along(parameters, path, model, middle) for model in models]
+    path, zone_time = stored_path(chosen), stored_zones(chosen)
+    found = [_lowest_along(parameters, path, model, zone_time) for model in models]
     return {
-        "location": [1, 2],
+        "location": [*locations(path, zone_time)],
         "planar_angle": np.asarray(parameters["fiber.initial_angles"]),
         "feature_streamline": lines["streamline"].to_numpy()[rows],
         "feature_time": path.time,
-        "feature_middle_time": middle,
+        "feature_zone_time": zone_time,
         **{name: np.stack([part[name] for part in found], axis=1) for name in found[0]},
     }
 
 
 def _lowest_along(
-    parameters: Parameters, path: FlowHistory, model: FiberModel, middle: NDArray[np.float64]
+    parameters: Parameters,
+    path: FlowHistory,
+    model: FiberModel,
+    zone_time: NDArray[np.float64] | None,
 ) -> dict[str, NDArray[np.float64]]:
     """Return the lowest pressures of one model, streamline by streamline."""
     viscosity, lowest = newtonian_viscosity(parameters), KINDS.index("min")
@@ -142,6 +145,6 @@ def _lowest_along(
     return {
         "feature_bound": bounds.lowest,
         "feature_lowest": pressure.lowest.min(axis=-2),
-        "feature_extreme": extremes(path, pressure, motion, middle).value[..., lowest],
-        "feature_extreme_bound": extreme_bounds(path, bounds, middle)[..., lowest, 0],
+        "feature_extreme": extremes(path, pressure, motion, zone_time).value[..., lowest],
+        "feature_extreme_bound": extreme_bounds(path, bounds, zone_time)[..., lowest, 0],
     }

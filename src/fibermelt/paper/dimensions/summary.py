@@ -54,9 +54,10 @@ def dimension_rows(results: xr.Dataset) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        One for each streamline, location (1 above the middle of the capillary, 2 below it) and
-        model: ``lowest`` and ``mean`` over the initial angles in the plane of the lowest surface
-        pressure less the streamline's [Pa], and ``bound`` over every orientation.
+        One for each streamline, location (0 the whole way, 1 before the capillary, 2 from the
+        exit to the end of the swell) and model: ``lowest`` and ``mean`` over the initial angles
+        in the plane of the lowest surface pressure less the streamline's [Pa], and ``bound`` over
+        every orientation.
     """
     extreme, bound = results["feature_extreme"], results["feature_extreme_bound"]
     rows = []

@@ -1,8 +1,8 @@
 """The fibers of a study along its streamlines: in the plane, out of it, by the paper's algorithm.
 
-Each way returns arrays by the names of their variables; ``middle`` (n_streamlines,) is the time at
-the middle of the capillary [s] and ``zone_time`` (n_streamlines, n_zones) when the zones are
-reached [s]. What loads the finite elements is imported where it is used.
+Each way returns arrays by the names of their variables; ``zone_time`` (n_streamlines, 3) is when
+zones 1 to 3 are reached [s], NaN where one is not. What loads the finite elements is imported where
+it is used.
 """
 
 from __future__ import annotations
@@ -44,16 +44,15 @@ def followed_in_plane(
     parameters: Parameters,
     path: FlowHistory,
     model: FiberModel,
-    middle: Array | None,
     zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
     """Return the fibers that enter at the initial angles, in the plane of the flow."""
     angles = np.asarray(parameters["fiber.initial_angles"])
     say(f"{len(angles)} angles on {len(path.lines)} streamlines")
-    error = _in_plane_error(parameters, path, model, angles, middle)
+    error = _in_plane_error(parameters, path, model, angles, zone_time)
     tolerance = parameters["numerics.angle_tolerance"]
-    motion, pressure, found = _in_plane(parameters, path, model, angles, middle, tolerance)
+    motion, pressure, found = _in_plane(parameters, path, model, angles, zone_time, tolerance)
     return {
         "initial_angle": angles,
         "angle": motion.angle,
@@ -70,13 +69,13 @@ def _in_plane(
     path: FlowHistory,
     model: FiberModel,
     angles: Array,
-    middle: Array | None,
+    zone_time: Array | None,
     tolerance: float,
 ) -> tuple[Turning, SurfaceHistory, Extremes]:
     """Return motion, surface pressure and extremes of fibers in the plane of the flow."""
     motion = follow(path, model.turning, angles, tolerance)
     pressure = surface_pressure(path, model.in_plane, viscosity_of(parameters), motion)
-    return motion, pressure, extremes(path, pressure, motion, middle)
+    return motion, pressure, extremes(path, pressure, motion, zone_time)
 
 
 def _in_plane_error(
@@ -84,7 +83,7 @@ def _in_plane_error(
     path: FlowHistory,
     model: FiberModel,
     angles: Array,
-    middle: Array | None,
+    zone_time: Array | None,
 ) -> Callable[[Array], Array]:
     """Return what estimates the errors of extremes that the points' spacing makes [Pa].
 
@@ -93,7 +92,7 @@ def _in_plane_error(
     """
     coarse = path.every_second()
     tolerance = UNCHECKED if model.thinning is None else COARSE_TOLERANCE
-    _, _, found = _in_plane(parameters, coarse, model, angles, middle, tolerance)
+    _, _, found = _in_plane(parameters, coarse, model, angles, zone_time, tolerance)
     return lambda value: np.abs(value - found.value)
 
 
@@ -103,7 +102,6 @@ def followed_by_newton(
     model: FiberModel,
     size: float,
     numerics: CellNumerics,
-    middle: Array | None,
     zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
@@ -124,10 +122,10 @@ def followed_by_newton(
     else:
         free, viscosity = ThinningFiber(fiber, size, law, numerics), 1.0
     motions = newton_motions(free, fiber, path.lines, viscosity, angles, say)
-    lines = zip(path.lines, motions, *_stations(path, middle, zone_time), strict=True)
-    found = [_on_line(one, run, run, at, times) for one, run, at, times in lines]
-    error = _in_plane_error(parameters, path, model, angles, middle)
-    value = _in_plane(parameters, path, model, angles, middle, COARSE_TOLERANCE)[2].value
+    lines = zip(path.lines, motions, _by_line(path, zone_time), strict=True)
+    found = [_on_line(one, run, run, times) for one, run, times in lines]
+    error = _in_plane_error(parameters, path, model, angles, zone_time)
+    value = _in_plane(parameters, path, model, angles, zone_time, COARSE_TOLERANCE)[2].value
     return {"initial_angle": angles, **_stacked(found), "extreme_error": error(value)}
 
 
@@ -135,7 +133,6 @@ def followed_in_space(
     parameters: Parameters,
     path: FlowHistory,
     model: FiberModel,
-    middle: Array | None,
     zone_time: Array | None,
     say: Say,
 ) -> dict[str, Any]:
@@ -149,13 +146,13 @@ def followed_in_space(
     tolerance = parameters["numerics.angle_tolerance"]
     say(f"{len(start)} directions on {len(path.lines)} streamlines")
     found = []
-    for one, at, times in zip(path.lines, *_stations(path, middle, zone_time), strict=True):
+    for one, times in zip(path.lines, _by_line(path, zone_time), strict=True):
         motion = model.follow_in_space(one, start, tolerance)
         pressure = spatial_pressure(one, body, viscosity, motion)
-        line = _on_line(one, motion, pressure, at, times)
+        line = _on_line(one, motion, pressure, times)
         coarse = one.every_second()
         rough = model.follow_in_space(coarse, start, COARSE_TOLERANCE)
-        again = extremes(coarse, spatial_pressure(coarse, body, viscosity, rough), rough, at)
+        again = extremes(coarse, spatial_pressure(coarse, body, viscosity, rough), rough, times)
         error = np.abs(line["extreme"] - again.value)
         found.append({**line, "elevation": motion.elevation, "extreme_error": error})
     return {
@@ -169,7 +166,6 @@ def _on_line(
     one: FlowHistory,
     motion: Turning,
     pressure: SurfaceHistory,
-    middle: float | None,
     zone_time: Array | None,
 ) -> dict[str, Any]:
     """Return what is known of the fibers of one streamline, by the names of its variables."""
@@ -178,7 +174,7 @@ def _on_line(
         "lowest": pressure.lowest,
         "highest": pressure.highest,
         **_at_zones(one, motion, zone_time),
-        **_named(extremes(one, pressure, motion, middle)),
+        **_named(extremes(one, pressure, motion, zone_time)),
     }
 
 
@@ -191,15 +187,9 @@ def _at_zones(path: FlowHistory, motion: Turning, zone_time: Array | None) -> di
     return {"zone_angle": np.where(known[..., None, :], angle, np.nan)}
 
 
-def _stations(
-    path: FlowHistory, middle: Array | None, zone_time: Array | None
-) -> tuple[list[Any], list[Any]]:
-    """Return the stations line by line, None where there are none."""
-    none = [None] * len(path.lines)
-    return (
-        none if middle is None else list(middle),
-        none if zone_time is None else list(zone_time),
-    )
+def _by_line(path: FlowHistory, zone_time: Array | None) -> list[Any]:
+    """Return the times at zones line by line, None where there are none."""
+    return [None] * len(path.lines) if zone_time is None else list(zone_time)
 
 
 def _stacked(lines: list[dict[str, Any]]) -> dict[str, Any]:

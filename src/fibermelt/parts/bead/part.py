@@ -76,7 +76,7 @@ PART = Part(
         ),
         Stage(
             "motion",
-            4,
+            5,
             (
                 *CELL,
                 LAW,

@@ -19,9 +19,9 @@ _EXTREME = "streamline initial_angle location kind"
 
 
 def _lowest_mean(location: int) -> Derive:
-    """Return the function that finds the lowest mean extreme at a location.
+    """Return the function that finds the lowest mean over initial angles at a location.
 
-    Of each streamline that passes no singular corner the lowest surface pressure at the location,
+    Of each streamline that passes no sharp corner the lowest surface pressure at the location,
     mean over the initial angles; of those the lowest.
     """
 
@@ -43,22 +43,23 @@ QUANTITIES = declared(
     # The labels of the dimensions.
     Q("initial_angle", "initial_angle", "rad", "angle of the fiber at the inlet", swept="reduced"),
     Q("initial_elevation", "initial_angle", "rad", "angle out of the plane at the inlet"),
-    Q("location", "location", "1", "1 above the middle of the capillary, 2 below it; 0 all of it",
+    Q("location", "location", "1",
+      "0 the whole way, 1 before the capillary, 2 from the exit to the end of the swell",
       swept="kept"),
     Q("kind", "kind", "1", "min or max of surface pressure less streamline pressure", swept="kept"),
     Q("quantile", "quantile", "1", "share of isotropically entering fibers that lie below",
       swept="kept"),
     Q("side", "side", "1", "lower and upper bound; has no labels", stored=False, swept="kept"),
-    # What a sweep derives: of streamlines that pass no singular corner, the lowest.
+    # What a sweep derives: of streamlines that pass no sharp corner, the lowest.
     *(Q(f"lowest_mean_{location}", "", "Pa",
         f"lowest pressure on a fiber's surface, over the melt's{where}: the mean over "
         "the initial angles, on the streamline where it is lowest",
-        title=f"Lowest mean extreme{title}", shown_in="MPa", stored=False, response=True,
-        derive=_lowest_mean(location))
+        title=f"Lowest pressure on fibers, mean over initial angles{title}", shown_in="MPa",
+        stored=False, response=True, derive=_lowest_mean(location))
       for location, where, title in (
           (0, "", ""),
-          (1, ", above the middle of the capillary", ", Loc. 1"),
-          (2, ", below the middle of the capillary", ", Loc. 2"),
+          (1, ", before the capillary", ", Loc. 1"),
+          (2, ", from the exit to the end of the swell", ", Loc. 2"),
       )),
     # The fiber's cell.
     Q("fiber_model", "", "1", "what answers for the fiber"),
@@ -105,6 +106,9 @@ QUANTITIES = declared(
     Q("lowest", _FIBER, "Pa", "lowest surface pressure less streamline pressure"),
     Q("highest", _FIBER, "Pa", "highest surface pressure less streamline pressure"),
     Q("bound_lowest", _PATH, "Pa", "lowest surface pressure over every orientation"),
+    Q("felt_lowest", _PATH, "Pa",
+      "lowest surface pressure over every orientation, with the most that is felt near corners",
+      shown_in="MPa"),
     Q("bound_highest", _PATH, "Pa", "highest surface pressure over every orientation"),
     Q("quantile_lowest", f"{_PATH} quantile", "Pa", "lowest pressure of isotropic fibers"),
     Q("quantile_highest", f"{_PATH} quantile", "Pa", "highest pressure of isotropic fibers"),

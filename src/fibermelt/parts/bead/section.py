@@ -80,7 +80,7 @@ def _in_its_melt(cell: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def _lowest(summary: Mapping[str, Any], locations: Sequence[int]) -> Table:
-    """Return the lowest surface pressures by streamline, above mid-capillary and below it."""
+    """Return the lowest surface pressures by streamline and location."""
     found = {
         (item["streamline"], item["location"]): item
         for item in summary["extremes"]

@@ -16,7 +16,8 @@ from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
 from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell_data import CellNumerics
-from fibermelt.fiber.extremes import KINDS, LOCATIONS, WHOLE, extreme_bounds
+from fibermelt.fiber.corner import felt_path
+from fibermelt.fiber.extremes import KINDS, ZONES, extreme_bounds, locations
 from fibermelt.fiber.population import QUANTILE_LEVELS
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
@@ -28,8 +29,11 @@ from fibermelt.parts.melt.melt import law_of, viscosity_of
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
     from fibermelt.fiber.models import FiberModel
+
+    Array = NDArray[np.float64]
 
 __all__ = [
     "cell_estimates",
@@ -42,6 +46,7 @@ __all__ = [
     "sizes_of",
     "stored_model",
     "stored_path",
+    "stored_zones",
     "thinning_numerics",
 ]
 
@@ -160,6 +165,18 @@ def stored_path(lines: xr.Dataset) -> FlowHistory:
     )
 
 
+def stored_zones(lines: xr.Dataset) -> Array | None:
+    """Return the times at zones 1 to 3 that were stored [s], (streamline, 3); None without any.
+
+    NaN stands for a zone that the flow's study does not name, or a path does not reach.
+    """
+    if "zone_time" not in lines:
+        return None
+    return np.asarray(
+        lines["zone_time"].reindex(zone=range(1, ZONES + 1)).transpose("streamline", "zone")
+    )
+
+
 def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
     """Return the fiber's model, with its table of a melt that thins where the study has one."""
     model = stored_model(inputs["cell"])
@@ -201,6 +218,25 @@ def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -
     return np.stack([one[at] for one, at in zip(error, index, strict=True)])
 
 
+def _felt_lowest(
+    parameters: Parameters, lines: xr.Dataset, path: FlowHistory, model: FiberModel
+) -> dict[str, Array]:
+    """Return the bound of the lowest pressure with what fibers feel at most near corners [Pa].
+
+    Nothing of a flow from elsewhere, whose corners nobody has named.
+    """
+    if "corner_distance" not in lines:
+        return {}
+    felt = felt_path(
+        path,
+        lines["corner_distance"].to_numpy(),
+        parameters["fiber.half_length"],
+        law_of(parameters).index_at(path.shear_rate),
+        lines["gradient_error"].to_numpy(),
+    )
+    return {"felt_lowest": model.bounds(felt, viscosity_of(parameters)).lowest}
+
+
 def motion_estimates(parameters: Parameters, motion: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the errors of extremes and of their quantiles, each with its bound.
 
@@ -240,40 +276,39 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
         _refuse_in_plane(parameters)
     viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
     lines = inputs["streamlines"]
-    middle, zone_time = (
-        lines[name].to_numpy() if name in lines else None for name in ("middle_time", "zone_time")
-    )
+    zone_time = stored_zones(lines)
     if parameters["fiber.path"] == "newton":
         chosen = thinning_numerics if "response" in inputs else cell_numerics
         size, numerics = domain_size(parameters, inputs), chosen(parameters)
-        followed = followed_by_newton(
-            parameters, path, model, size, numerics, middle, zone_time, say
-        )
+        followed = followed_by_newton(parameters, path, model, size, numerics, zone_time, say)
     elif parameters["fiber.directions"] == "in-plane":
-        followed = followed_in_plane(parameters, path, model, middle, zone_time, say)
+        followed = followed_in_plane(parameters, path, model, zone_time, say)
     else:
-        followed = followed_in_space(parameters, path, model, middle, zone_time, say)
+        followed = followed_in_space(parameters, path, model, zone_time, say)
     if path.planar:
         followed.pop("extreme_z")
+    if zone_time is not None:
+        followed["zone_angle"] = followed["zone_angle"][..., lines["zone"].to_numpy() - 1]
     bounds = model.bounds(path, viscosity)
     say(f"{count} fibers of an isotropic start")
     if "gradient_error" in lines:
         at = followed["extreme_time"]
         followed["extreme_error"] += _by_gradient(lines, path, bounds.lowest, at)
     isotropic = model.isotropic_pressure(
-        path, viscosity, middle, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
+        path, viscosity, zone_time, count, QUANTILE_LEVELS, parameters["numerics.angle_tolerance"]
     )
     return labelled(
         {
             **followed,
-            "location": list(WHOLE if middle is None else LOCATIONS),
+            "location": [*locations(path, zone_time)],
             "kind": list(KINDS),
             "quantile": isotropic.levels,
             "bound_lowest": bounds.lowest,
             "bound_highest": bounds.highest,
+            **_felt_lowest(parameters, lines, path, model),
             "quantile_lowest": isotropic.lowest,
             "quantile_highest": isotropic.highest,
-            "extreme_bounds": extreme_bounds(path, bounds, middle),
+            "extreme_bounds": extreme_bounds(path, bounds, zone_time),
             "extreme_quantiles": isotropic.extremes,
             "extreme_quantiles_error": isotropic.extremes_error,
         },

@@ -17,13 +17,14 @@ from fibermelt.parts.bead.quantities import QUANTITIES as FIBER
 from fibermelt.parts.flow.quantities import QUANTITIES as FLOW
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import melt_of
+from fibermelt.units import PERCENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["bead_in_words", "melt_met", "summarize_bead"]
 
-PLACES = {0: "on the way   ", 1: "in the nozzle", 2: "below it      "}
+PLACES = {0: "on the way", 1: "before the capillary", 2: "in the swell"}
 """The locations of extremes, in words."""
 
 ENDS = {
@@ -53,17 +54,22 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``flow``, ``paths``, ``streamlines``, ``cell``, ``extremes`` and ``orientation``. A flow
+        ``flow``, ``paths``, ``streamlines``, ``left_out``, ``cell``, ``extremes`` and
+        ``orientation``. A flow
         that was not solved here has paths and what its melt goes through, and no nozzle's numbers;
         ``field`` has the ``notes`` on how its file was read.
         Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
         orientation, ``quantiles`` (5, 50 and 95 %) for an isotropic start. Orientation is the
-        angle to the streamline [rad], seen along z. A fiber in an unbounded melt has no
-        ``domain_size``, no unknowns and no error. Of the melt there are the lowest viscosity and
-        the highest rate of deformation on streamlines that pass no singular corner, and
-        ``outside_law``, the share of it at rates that its law was not measured at: of each
+        angle to the streamline [rad], seen along z. What is told of all streamlines leaves out
+        those that pass a sharp corner: ``left_out`` has their numbers, their ``share`` of the
+        flux (of the paths where these stand for none), and ``felt_lowest``, by how much the
+        pressure on their fibers falls below the melt's at most [Pa] (`fibermelt.fiber.corner`);
+        None where there are none, or nobody knows where the corners are. A fiber in an unbounded
+        melt has no ``domain_size``, no unknowns and no error. Of the melt there are the lowest
+        viscosity and the highest rate of deformation on streamlines that pass no sharp corner,
+        and ``outside_law``, the share of it at rates that its law was not measured at: of each
         streamline's time, mean by flux; None where nobody says what was measured.
     """
     told = [name for name, one in FLOW.items() if one.title and name in results]
@@ -74,6 +80,7 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
         **({"field": {"notes": [note for note in notes if note]}} if notes else {}),
         "paths": _paths(results),
         "streamlines": _streamlines(results),
+        "left_out": _singular(results),
         "cell": _cell(results),
         "extremes": _extremes(results),
         "orientation": _orientation(results),
@@ -161,6 +168,18 @@ def _streamlines(results: xr.Dataset) -> list[dict[str, Any]]:
         }
         for k in range(results.sizes["streamline"])
     ]
+
+
+def _singular(results: xr.Dataset) -> dict[str, Any]:
+    """Return which streamlines pass a singular corner, their share, and what is felt on them."""
+    near = results["near_singularity"].to_numpy() > 0
+    known = near.any() and "felt_lowest" in results
+    felt = results["felt_lowest"].transpose("streamline", ...).to_numpy()[near] if known else None
+    return {
+        "streamlines": results["streamline"].to_numpy()[near].tolist(),
+        "share": float(near.mean()),
+        "felt_lowest": None if felt is None else float(felt.min()),
+    }
 
 
 def _cell(results: xr.Dataset) -> dict[str, Any]:
@@ -297,11 +316,13 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
         worst = min(found, key=lambda extreme: float(extreme["lowest"]))
         depth = FIBER["extreme"].with_unit(-worst["lowest"], size=worst["lowest"], digits=3)
         lines.append(
-            f"lowest {place}  {depth} below the melt's own pressure, on "
+            f"lowest {place:<20}  {depth} below the melt's own pressure, on "
             f"{word} {worst['streamline']}"
         )
     return (
-        lines + _left_out(flagged, of=len(summary["streamlines"]), word=word) + _long(summary, word)
+        lines
+        + _left_out(summary["left_out"], of=len(summary["streamlines"]), word=word)
+        + _long(summary, word)
     )
 
 
@@ -368,16 +389,24 @@ def _long(summary: Mapping[str, Any], word: str) -> list[str]:
     ]
 
 
-def _left_out(flagged: Sequence[int], of: int, word: str) -> list[str]:
-    """Return the line on those whose lowest pressure has no limit as the mesh is refined."""
+def _left_out(left_out: Mapping[str, Any], of: int, word: str) -> list[str]:
+    """Return the lines on those whose lowest pressure depends on the mesh."""
+    flagged = left_out["streamlines"]
     if not flagged:
         return []
     if len(flagged) == of:
-        return [f"lowest pressure not told: every {word} passes a singular corner"]
-    if len(flagged) == 1:
-        return [f"                {word} {flagged[0]} passes a singular corner and is left out"]
-    which = ", ".join(map(str, flagged[:MOST_NAMED])) + (", ..." if flagged[MOST_NAMED:] else "")
-    return [
-        f"                {word}s {which} pass a singular corner and are left out "
-        f"({len(flagged)} of {of})"
-    ]
+        lines = [f"lowest pressure not told: every {word} passes a sharp corner"]
+    else:
+        which = ", ".join(map(str, flagged[:MOST_NAMED]))
+        which += ", ..." if flagged[MOST_NAMED:] else ""
+        one = len(flagged) == 1
+        share = f"{PERCENT * left_out['share']:.3g}"
+        lines = [
+            f"left out        {word}{'' if one else 's'} {which}, "
+            f"{share} % of the {'flux' if word == 'streamline' else 'paths'}: "
+            f"{'it passes' if one else 'they pass'} a sharp corner"
+        ]
+    if (felt := left_out["felt_lowest"]) is not None:
+        depth = FIBER["felt_lowest"].with_unit(-felt, size=felt, digits=3)
+        lines.append(f"                no fiber there comes more than {depth} below the melt's own")
+    return lines

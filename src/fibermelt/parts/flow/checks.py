@@ -5,17 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
+from fibermelt.flow.problem import LOWEST_GAP
 from fibermelt.parts.flow.config import Flow, Streamlines
 from fibermelt.parts.flow.field_table import ImportedField
 from fibermelt.parts.flow.paths_table import STATIONS, Paths
+from fibermelt.units import MM
 
 if TYPE_CHECKING:
     from fibermelt.engine.tables import Tables
 
-__all__ = ["OF_DEPOSITION", "refuse_sources"]
+__all__ = ["OF_DEPOSITION", "flow_notes", "refuse_sources"]
 
 OF_DEPOSITION = "of the deposition flow"
 """Trait of parts about the paper's bead, its nozzle and its mesh."""
+
+HIGHEST_GAP = 1.6
+"""Gap over the height of the bead above which the surface may pass under the bed: so it does of a
+bead a third as high as the capillary is wide; of one as high as it above 2.7."""
 
 
 def refuse_sources(study: Tables) -> None:
@@ -70,3 +76,24 @@ def refuse_sources(study: Tables) -> None:
             f'"{source}": leave it away'
         )
         raise ConfigError(msg)
+
+
+def flow_notes(study: Tables) -> list[str]:
+    """Tell of a gap at which the deposition flow will hardly have a steady surface."""
+    flow = study.table(Flow)
+    ratio = flow.gap / flow.bead_height
+    if flow.source != "deposition" or LOWEST_GAP <= ratio <= HIGHEST_GAP:
+        return []
+    beyond, way = (
+        (f"below {LOWEST_GAP:g} the melt climbs the nozzle", "raise flow.gap or flow.bed_speed")
+        if ratio < LOWEST_GAP
+        else (
+            f"above {HIGHEST_GAP:g} for a bead a third as high as the capillary is wide, and above "
+            "2.7 for one as high as it, the surface passes under the bed",
+            "lower flow.gap or flow.bed_speed",
+        )
+    )
+    return [
+        f"the gap is {ratio:.3g} times the bead's height of {MM * flow.bead_height:.4g} mm: "
+        f"{beyond}, and no steady surface may be found; {way}"
+    ]

@@ -137,7 +137,7 @@ class Streamlines(Section):
 
     count: int = setting(
         22,
-        "Number of streamlines, each with the same share of the flux, from the left edge.",
+        "Number of streamlines, each with the same share of the flux, from the upstream edge.",
         ge=1,
         le=1000,
         source="the paper numbers them so: 4, 10 and 18 are its feature streamlines",
@@ -149,7 +149,7 @@ class Streamlines(Section):
         "of the same share of the flux as the paper's.",
         ge=1,
         le=1000,
-        source="the paper's feature streamlines: near the left edge, the center, the right edge",
+        source="the paper's feature streamlines: near both edges and at the center",
     )
 
 

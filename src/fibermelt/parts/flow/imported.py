@@ -143,9 +143,6 @@ def stations(
 ) -> dict[str, Any]:
     """Return when paths reach the stations that a study names, NaN where one does not.
 
-    The middle of the capillary needs all paths to pass it, between an entrance and an exit across
-    the same axis.
-
     Raises
     ------
     ConfigError
@@ -186,23 +183,7 @@ def stations(
         for note, more in zip(arrays["path_notes"], missed, strict=True)
     ]
     zones = [k for k, name in enumerate(texts, 1) if name in times]
-    found = {"zone": zones, "zone_time": when, "path_notes": notes}
-    middle = _middle_time(histories, *(planes.get(f"paths.{name}") for name in STATIONS[:2]))
-    return found if middle is None else {**found, "middle_time": middle}
-
-
-def _middle_time(
-    histories: Sequence[FlowHistory],
-    entrance: tuple[int, float] | None,
-    leave: tuple[int, float] | None,
-) -> Any:
-    """Return when paths pass halfway between two planes; None unless all of them do."""
-    if entrance is None or leave is None or entrance[0] != leave[0]:
-        return None
-    place = 0.5 * (entrance[1] + leave[1])
-    middle = np.array([history.time_across(entrance[0], place) for history in histories])
-    start = np.array([history.time[0] for history in histories])
-    return middle if np.all(middle > start) else None
+    return {"zone": zones, "zone_time": when, "path_notes": notes}
 
 
 def _read_histories(

@@ -50,7 +50,7 @@ PART = Part(
         Stage("field", 4, ("field",), (), f"{HERE}.imported:field_stage"),
         Stage(
             "streamlines",
-            4,
+            5,
             ("flow", LAW, "streamlines.count", "streamlines.points", "paths"),
             (),
             f"{HERE}.stages:streamlines_stage",
@@ -60,4 +60,5 @@ PART = Part(
         ),
     ),
     refuse=f"{HERE}.checks:refuse_sources",
+    notes=f"{HERE}.checks:flow_notes",
 )

@@ -68,15 +68,18 @@ class Paths(_Ends):  # type: ignore[misc]
 
     entrance: str = setting(
         "",
-        "Plane across the flow at which the capillary begins: zone 1. With the exit across the "
-        "same axis extremes are told above (Loc. 1) and below (Loc. 2) the middle between them.",
+        "Plane across the flow at which the capillary begins: zone 1. Where all paths reach it, "
+        "extremes are told before it (Loc. 1) besides.",
         example="y = 9 mm",
     )
     exit: str = setting(
         "", "Plane at which the melt leaves the nozzle: zone 2.", example="y = 3 mm"
     )
     end_of_swell: str = setting(
-        "", "Plane from which on the melt moves as a whole: zone 3.", example="x = 12 mm"
+        "",
+        "Plane from which on the melt moves as a whole: zone 3. Where all paths reach exit and "
+        "end, extremes are told between them (Loc. 2) besides.",
+        example="x = 12 mm",
     )
 
     @field_validator(*STATIONS)

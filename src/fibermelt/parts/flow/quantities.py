@@ -12,7 +12,7 @@ _PATH = "streamline point"
 # fmt: off
 QUANTITIES = declared(
     # The labels of the dimensions.
-    Q("streamline", "streamline", "1", "number of the streamline, from the left edge",
+    Q("streamline", "streamline", "1", "number of the streamline, from the upstream edge",
       swept="kept"),
     Q("zone", "zone", "1", "1 capillary entrance, 2 nozzle exit, 3 end of the swell region",
       swept="kept"),
@@ -84,9 +84,9 @@ QUANTITIES = declared(
       "share of the flux on the streamline's left; of the paths where they stand for none"),
     Q("gradient_error", _PATH, "1/s", "estimated error of the gradient along the streamline"),
     Q("stream_function_drift", "streamline", "1", "drift of the stream function over the flux"),
-    Q("near_singularity", "streamline", "1", "whether it passes close by a singular corner"),
+    Q("corner_distance", _PATH, "m", "distance from the nearest sharp corner"),
+    Q("near_singularity", "streamline", "1", "whether it passes close by a sharp corner"),
     Q("zone_time", "streamline zone", "s", "time at which the zone is reached; NaN if never"),
-    Q("middle_time", "streamline", "s", "time at the middle of the capillary"),
     Q("temperature", _PATH, "K", "temperature of the melt"),
     Q("path_end", "streamline", "1", "why the path ends: outlet, wall, stagnation, time or file"),
     Q("path_divergence", "streamline", "1",

@@ -255,10 +255,10 @@ def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Da
             "stream_function": stacked("stream_function"),
             "gradient_error": stacked("gradient_error"),
             "stream_function_drift": stacked("drift"),
+            "corner_distance": stacked("corner_distance"),
             "near_singularity": stacked("near_singularity").astype(np.int8),
             "zone": np.arange(1, 4),
             "zone_time": stacked("zone_time"),
-            "middle_time": stacked("middle_time"),
             **_law_curve(parameters),
         },
         QUANTITIES | MELT,
@@ -276,7 +276,7 @@ def _law_curve(parameters: Parameters) -> dict[str, Any]:
 def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Estimate, ...]:
     """Return the errors of streamlines, each with its bound.
 
-    The gradient's is that of the lines which pass no singular corner.
+    The gradient's is that of the lines which pass no sharp corner.
     """
     if "gradient_error" not in lines:
         return ()

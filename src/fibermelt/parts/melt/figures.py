@@ -74,7 +74,7 @@ def melt_words(results: xr.Dataset) -> Words:
             f"{melt.name} at {melt.temperature - ZERO_CELSIUS:.0f} °C: (a) viscosity against the "
             f"rate of deformation √(2 D:D), {melt.law.called}; (b) share of the time from inlet to "
             "outlet at each rate, mean by flux, in the first bar at that and slower. Away from "
-            f"singular corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} "
+            f"sharp corners the highest rate is {highest} 1/s and the lowest viscosity {lowest} "
             f"Pa s. {range_}"
         ),
         alt=(

@@ -72,9 +72,9 @@ def thinning_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             "Power laws that have the same viscosity at one rate, index 1 the Newtonian melt. (a) "
-            "Lowest pressure on a fiber below the middle of the capillary, absolute, mean over the "
+            "Lowest pressure on a fiber in the swell (zone 2 to 3), absolute, mean over the "
             f"initial angles and over {used} of {results.sizes['streamline']} streamlines, those "
-            "that pass no singular corner in any of the flows: where the flow thins and the fiber "
+            "that pass no sharp corner in any of the flows: where the flow thins and the fiber "
             "is one in a Newtonian melt of the local viscosity, where the flow is the Newtonian "
             "one and the fiber's own melt thins, and where both do. (b) Largest pressure on a "
             "fiber over a turn in simple shear, over viscosity and rate. (c) Pressure at the inlet."

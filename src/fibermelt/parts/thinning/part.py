@@ -26,7 +26,7 @@ PART = Part(
     brings=(
         Stage(
             "thinning",
-            1,
+            2,
             (
                 "thinning",
                 "flow",
@@ -35,6 +35,7 @@ PART = Part(
                 "streamlines.points",
                 "fiber.half_length",
                 "fiber.aspect_ratio",
+                "fiber.thickness_ratio",
                 "fiber.domain_size",
                 "fiber.pressure_reference",
                 "fiber.initial_angles",

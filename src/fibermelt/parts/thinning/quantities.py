@@ -32,9 +32,9 @@ QUANTITIES = declared(
     _of_flow("inlet_pressure_error"),
     _of_flow("contact_point"),
     _of_flow("contact_point_error"),
-    Q("effect_regular", "streamline", "1", "whether it passes no singular corner in any flow"),
+    Q("effect_regular", "streamline", "1", "whether it passes no sharp corner in any flow"),
     Q("effect_lowest", _LINE, "Pa",
-      "lowest pressure on a fiber below the middle of the capillary, above the surrounding "
+      "lowest pressure on a fiber from the exit to the end of the swell, above the surrounding "
       "air's, mean over the initial angles", shown_in="MPa"),
     Q("effect_bound", _LINE, "Pa", "the same of any direction"),
     Q("effect_period", _FIBER, "1", "time of a turn in simple shear times rate; NaN if it stalls"),

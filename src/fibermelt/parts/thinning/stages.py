@@ -14,14 +14,14 @@ import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Inputs, Neighbour, Parameters, Say, refuse_beyond
-from fibermelt.fiber.extremes import before_middle
+from fibermelt.fiber.extremes import SWELL, locations
 from fibermelt.fiber.motion import follow
 from fibermelt.fiber.orbit import orbit
 from fibermelt.fiber.pressure import LocalViscosity, pressure_bounds, surface_pressure
 from fibermelt.melt import PowerLaw
 from fibermelt.parts.bead.beside import fiber_models
 from fibermelt.parts.bead.response import response_estimates, thinning_response
-from fibermelt.parts.bead.stages import domain_size, stored_path
+from fibermelt.parts.bead.stages import domain_size, stored_path, stored_zones
 from fibermelt.parts.flow.stages import (
     flow_estimates,
     flow_from,
@@ -146,7 +146,7 @@ def _on_fibers(
         melt, local = law, LocalViscosity(law)
         causes = [(lines, thinned, melt), (lines, newtonian, local), (first, thinned, melt)]
         error = thinned.thinning.pressure_error
-    seen = [_below_nozzle(parameters, *cause) for cause in causes]
+    seen = [_in_swell(parameters, *cause) for cause in causes]
     turn = orbit(thinned.in_plane, rate, stress / rate if thinned.thinning is None else law)
     none = float("nan")
     return {
@@ -159,10 +159,10 @@ def _on_fibers(
     }
 
 
-def _below_nozzle(
+def _in_swell(
     parameters: Parameters, lines: xr.Dataset, model: FiberModel, melt: Viscosity
 ) -> tuple[Array, Array]:
-    """Return the lowest pressures below the middle of the capillary [Pa, gauge], (streamline,).
+    """Return the lowest pressures from the exit to the end of the swell [Pa, gauge], (streamline,).
 
     The mean over the initial angles of what each fiber meets, and that of any direction.
     """
@@ -171,7 +171,7 @@ def _below_nozzle(
     motion = follow(path, model.turning, angles, parameters["numerics.angle_tolerance"])
     on_fibers = surface_pressure(path, model.in_plane, melt, motion).lowest
     bound = pressure_bounds(path, model.in_plane, melt).lowest
-    below = ~before_middle(path, lines["middle_time"].to_numpy())
+    here = locations(path, stored_zones(lines))[SWELL]
     own = lines["pressure"].to_numpy()
-    each = np.min(own[:, None, :] + on_fibers, axis=-1, where=below[:, None, :], initial=np.inf)
-    return each.mean(axis=-1), np.min(own + bound, axis=-1, where=below, initial=np.inf)
+    each = np.min(own[:, None, :] + on_fibers, axis=-1, where=here[:, None, :], initial=np.inf)
+    return each.mean(axis=-1), np.min(own + bound, axis=-1, where=here, initial=np.inf)

@@ -34,8 +34,8 @@ def summarize_thinning(results: xr.Dataset) -> dict[str, Any]:
         ``inlet_pressure`` and ``contact_point``; and by model ``period`` (times rate; None if it
         stalls), ``stall_angle``, ``peak`` (largest pressure in simple shear over viscosity and
         rate) with its ``peak_error``; and by cause, ``lowest``, the lowest pressure on a fiber
-        below the middle of the capillary, mean over initial angles and streamlines that pass no
-        singular corner in any flow, ``deepest``, that of the worst of these streamlines, and
+        from the exit to the end of the swell, mean over initial angles and streamlines that pass no
+        sharp corner in any flow, ``deepest``, that of the worst of these streamlines, and
         ``bound``, that of any direction on any of them.
     """
     regular = results.isel(streamline=results["effect_regular"].to_numpy() == 1)

@@ -17,6 +17,15 @@ __all__ = ["PART", "with_orientation"]
 
 HERE = "fibermelt.parts.voids"
 
+NUCLEI = (
+    "fiber.half_length",
+    "fiber.aspect_ratio",
+    "fiber.thickness_ratio",
+    "fiber.model",
+    "interaction.volume_fraction",
+)
+"""What nuclei at the tips of fibers follow from, besides ``[voids]``."""
+
 
 def with_orientation(values: Mapping[str, Value]) -> tuple[str, ...]:
     """Return the stage that voids are fed besides, in a study with orientation tensors."""
@@ -34,8 +43,8 @@ PART = Part(
     brings=(
         Stage(
             "voids",
-            3,
-            ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW),
+            6,
+            ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW, *NUCLEI),
             ("streamlines", "cell", "motion"),
             f"{HERE}.stages:voids_stage",
             inputs_if=with_orientation,

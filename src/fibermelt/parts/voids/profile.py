@@ -11,18 +11,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fibermelt.parts.voids.bubbles import STATIONS, gas_share
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
 
-__all__ = ["SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
+__all__ = ["FELT", "SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
 
 SELECTIONS = ("regular", "all")
 """Without the streamlines that pass close by a singular corner, and with them."""
 
+FELT = "felt"
+"""Basis of any direction with the most that fibers feel near singular corners (`fiber.corner`)."""
+
 MOST_LIKELY = "isotropic 50 %"
 """Basis of the median isotropic fiber."""
+
+SEVERITIES = ("severity_melt", "severity_fibers")
+"""What ranks a bead and needs no nucleus."""
 
 
 def layer_weights(height: Array, regular: NDArray[np.bool_], layers: int) -> Array:
@@ -66,7 +74,9 @@ def layer_profile(
     height = found["void_height"]
     bead = _bead_height(height)
     lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
-    on_fibers = found["void_fiber_lowest"].mean(axis=-1)
+    on_fibers, grown = (
+        found[f"void_fiber_{name}"].mean(axis=-1) for name in ("lowest", "exponent")
+    )
     parts: dict[str, list[Array]] = {}
     for chosen in (regular, np.ones_like(regular)):
         weights = layer_weights(height, chosen, layers)
@@ -76,6 +86,9 @@ def layer_profile(
             "void_layer_mean_pressure": _hide(weights @ lowest, empty),
             "void_layer_fiber_pressure": _hide(weights @ on_fibers, empty),
             "void_layer_time_below": _hide(weights @ found["void_time_below"], empty),
+            "void_layer_exponent": _hide(weights @ found["void_exponent"], empty),
+            "void_layer_fiber_exponent": _hide(weights @ grown, empty),
+            **_contents("void_layer_content", found, weights, empty),
             "void_layer_moisture": _least(limit, weights),
         }
         for name, values in part.items():
@@ -96,6 +109,7 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
     lowest, limit = found["void_lowest_pressure"], found["void_moisture_limit"]
     most = found["void_saturation_moisture"]
     capped = np.where(np.isnan(limit), most, limit)
+    grown = found["void_fiber_exponent"].mean(axis=-1)
     totals: dict[str, list[Array]] = {}
     for chosen in (regular, np.ones_like(regular)):
         everything = chosen[None, :] / max(int(chosen.sum()), 1)
@@ -104,6 +118,9 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
             "void_bead_lowest_pressure": _least(lowest, everything),
             "void_bead_moisture": _least(limit, everything),
             "void_bead_mean_moisture": _hide(everything @ capped, empty),
+            "void_bead_exponent": _hide(everything @ found["void_exponent"], empty),
+            "void_bead_fiber_exponent": _hide(everything @ grown, empty),
+            **_contents("void_bead_content", found, everything, empty),
             "void_bead_share_below": _hide(
                 np.sum(found["void_margin"][chosen] < 0.0, axis=0)[None, :] / max(chosen.sum(), 1),
                 empty,
@@ -116,10 +133,54 @@ def bead_totals(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[st
     regularly = SELECTIONS.index("regular")
     return stacked | {
         "void_selection": list(SELECTIONS),
+        **_severity(found, regular),
+        **_fraction(*(stacked[f"void_bead_content{of}"][regularly] for of in ("", "_rest"))),
         "void_critical_moisture": stacked["void_bead_moisture"][regularly, basis.index("bounds")],
         "void_critical_moisture_mean": stacked["void_bead_mean_moisture"][
             regularly, basis.index(MOST_LIKELY)
         ],
+    }
+
+
+def _contents(
+    name: str, found: Mapping[str, Any], weights: Array, empty: NDArray[np.bool_]
+) -> dict[str, Array]:
+    """Return the void content of layers, with and without fibers: volumes of gas add up."""
+    return {
+        f"{name}{of}": _hide(gas_share(weights @ found[f"void_gas{of}"]), empty)
+        for of in ("", "_rest")
+    }
+
+
+def _fraction(content: Array, at_rest: Array) -> dict[str, float]:
+    """Return the void content of the bead at the end of the swell, and its parts."""
+    swell = STATIONS.index("swell")
+    return {
+        "void_fraction": content[swell],
+        "void_fraction_tips": content[swell] - at_rest[swell],
+        "void_fraction_rest": at_rest[swell],
+    }
+
+
+def _severity(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[str, float]:
+    """Return the mean growth exponents of the melt and of what fibers add, with their errors."""
+    if not regular.any():
+        return dict.fromkeys((*SEVERITIES, *(f"{name}_error" for name in SEVERITIES)), np.nan)
+    melt = found["void_basis"].index("melt")
+    own, own_error, on_fibers, on_fibers_error = (
+        float(np.mean(values[regular]))
+        for values in (
+            found["void_exponent"][:, melt],
+            found["void_exponent_error"][:, melt],
+            found["void_fiber_exponent"],
+            found["void_fiber_exponent_error"],
+        )
+    )
+    return {
+        "severity_melt": own,
+        "severity_melt_error": own_error,
+        "severity_fibers": on_fibers - own,
+        "severity_fibers_error": on_fibers_error + own_error,
     }
 
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, number, percent, sized
@@ -17,10 +16,14 @@ if TYPE_CHECKING:
 
 __all__ = ["voids"]
 
+MOST = 200.0
+"""Length of the longest bar of a lever [%]: what leaves more is told by its number."""
+
 WHOSE = {
     "melt": "the melt itself, without fibers",
     "fibers": "worst of the initial angles",
     "bounds": "any direction of a fiber",
+    "felt": "the same, with the most that is felt near sharp corners",
     "spheroid": "any direction of an unbounded spheroid",
     "oriented tips": "tips of spheroids, mean over their orientation",
 }
@@ -37,12 +40,47 @@ def voids(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
         "celsius": f"{found['temperature'] - ZERO_CELSIUS:.0f}",
         "MPA": MPA,
         "nucleation": _nucleation(found, float(results["void_threshold"])),
-        "advice": advice(found),
         "by_basis": _by_basis(found, size),
         "with_singular": _mpa(found["including_singular"]["lowest_pressure"], size),
         "profile": _profile(found) if found["profile"] else None,
         "lines": _lines(found),
+        "levers": _levers(found),
+        "doubts": _doubts(found),
     }
+
+
+def _levers(found: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the levers, the one first that changes most, each with bars of what it leaves [%]."""
+    boils = found["rest"]["boils"]
+    told = []
+    for one in found.get("levers", ()):
+        shares = {
+            "fibers": one["fibers_ratio"],
+            "melt": one["melt_ratio"],
+            "dry": one["dry_ratio"],
+        }
+        strength = shares["dry" if boils and one["key"] != "voids.moisture" else "fibers"]
+        bars = {
+            name: {"share": number(PERCENT * share, 3), "width": min(PERCENT * share, MOST) / MOST}
+            for name, share in shares.items()
+            if share is not None
+        }
+        told.append({**one, "bars": bars, "strength": abs(1.0 - (strength or 1.0))})
+    return sorted(told, key=lambda one: -float(one["strength"]))
+
+
+def _doubts(found: Mapping[str, Any]) -> Table | None:
+    """Return by which factors the severity may be off, the largest first."""
+    columns = (
+        Column("Source of doubt", is_text=True),
+        Column("Factor"),
+        Column("How it is known", is_text=True),
+    )
+    rows = [
+        (one["source"], number(one["factor"], 3), one["basis"])
+        for one in found.get("uncertainty", ())
+    ]
+    return Table("By which factors what fibers add may be off", columns, rows) if rows else None
 
 
 def _nucleation(found: Mapping[str, Any], threshold: float) -> str:
@@ -94,7 +132,7 @@ def _moisture(value: float | None) -> str:
 
 def _whose(basis: str) -> str:
     share = basis.removeprefix("isotropic ")
-    return WHOSE.get(basis, f"{share} of fibers from an isotropic start see less")
+    return WHOSE.get(basis, f"{share} of randomly entering fibers see less")
 
 
 def _by_basis(found: Mapping[str, Any], size: float) -> Table:
@@ -129,7 +167,9 @@ def _profile(found: Mapping[str, Any]) -> Table:
         Column("Any direction, lowest", "MPa"),
         Column("Time below vapor", "ms"),
         Column("Critical moisture", "%"),
-        Column("Any direction, mean, with singular ones", "MPa"),
+        Column("Any direction, mean, with those past sharp corners", "MPa"),
+        Column("Growth exponent of the melt"),
+        Column("what fibers add"),
     )
     layers = found["profile"]
     height, time = (_size(layers, name) for name in ("height", "time_below"))
@@ -143,6 +183,8 @@ def _profile(found: Mapping[str, Any]) -> Table:
             sized(_of(MS, layer["time_below"]), MS * time),
             "–" if layer["lowest_pressure"] is None else _moisture(layer["critical_moisture"]),
             _mpa(layer["including_singular"]["mean_pressure"], size),
+            number(layer["severity"]["melt"], 3),
+            number(layer["severity"]["fibers"], 3),
         )
         for layer in reversed(layers)
     ]
@@ -182,7 +224,7 @@ def _lines(found: Mapping[str, Any]) -> Table:
         )
         for line in lines
     ]
-    caption = f"Each {word}, any direction of a fiber; * passes close to a singular corner"
+    caption = f"Each {word}, any direction of a fiber; * passes close to a sharp corner"
     return Table(caption, columns, rows)
 
 

@@ -18,10 +18,18 @@ from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
+from fibermelt.parts.voids.bubbles import STATIONS, bubbles, nuclei_of
+from fibermelt.parts.voids.limits import joint_limits
 from fibermelt.parts.voids.melt import moist_melt
-from fibermelt.parts.voids.profile import bead_totals, layer_profile
+from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
-from fibermelt.voids import ATMOSPHERE, assess, critical_radius, saturation_pressure
+from fibermelt.voids import (
+    ATMOSPHERE,
+    assess,
+    critical_radius,
+    growth_exponent,
+    saturation_pressure,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +37,7 @@ if TYPE_CHECKING:
 
     from fibermelt.fiber import SpheroidResponse
     from fibermelt.fiber.pressure import Viscosity
+    from fibermelt.parts.voids.bubbles import Nuclei
     from fibermelt.parts.voids.melt import MoistMelt
     from fibermelt.voids import Assessment
 
@@ -55,11 +64,19 @@ def voids_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
         density=parameters["melt.density"],
     )
     say(f"{100 * melt.moisture:g} % moisture in {melt.card.name}")
-    return assess_bead(inputs, viscosity_of(parameters), melt, voids["layers"])
+    return assess_bead(
+        inputs, viscosity_of(parameters), melt, voids["layers"], nuclei_of(parameters)
+    )
 
 
-def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: int) -> xr.Dataset:
-    """Return where in a bead voids can start.
+def assess_bead(
+    inputs: Inputs,
+    viscosity: Viscosity,
+    melt: MoistMelt,
+    layers: int,
+    nuclei: Nuclei | None = None,
+) -> xr.Dataset:
+    """Return where in a bead voids can start, and how far they grow.
 
     Parameters
     ----------
@@ -67,12 +84,14 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         The data of the stages ``streamlines``, ``cell`` and ``motion``, and of ``orientation`` if
         there are any; or for each of them the results that hold them all.
     viscosity : float, ViscosityLaw or LocalViscosity
-        Of the melt, for spheroids [Pa s].
+        Of the melt, for spheroids and bubbles [Pa s].
     melt : MoistMelt
         The moist melt.
     layers : int
         Number of layers of the profile over the bead's height; paths of a flow from elsewhere have
         no such profile.
+    nuclei : Nuclei, optional
+        What grows; by default nothing does.
 
     Returns
     -------
@@ -85,7 +104,8 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
     vapor = float(laws.vapor_pressure(melt.moisture, temperature))
     time = lines["time"].to_numpy()[:, None, :]
     found = assess(time, gauge, vapor)
-    fibers = assess(time, _on_fibers(lines, motion), vapor)
+    on_fibers = _on_fibers(lines, motion)
+    fibers = assess(time, on_fibers, vapor)
     limit = _none(laws.critical_moisture(found.lowest_pressure, temperature))
     arrays: dict[str, Any] = {
         **_melt_variables(melt, vapor),
@@ -103,8 +123,20 @@ def assess_bead(inputs: Inputs, viscosity: Viscosity, melt: MoistMelt, layers: i
         "void_moisture_limit": limit,
         "void_fiber_lowest": fibers.lowest_pressure,
         "void_fiber_time_below": fibers.time_below,
+        **_exponents(lines, gauge, "void_exponent", vapor),
+        **_exponents(lines, on_fibers, "void_fiber_exponent", vapor),
+        "void_station": list(STATIONS),
+        **bubbles(inputs, melt, viscosity, nuclei),
     }
     regular = lines["near_singularity"].to_numpy() == 0
+    arrays |= joint_limits(
+        lines["time"].to_numpy()[regular],
+        on_fibers[regular],
+        lines["viscosity"].to_numpy()[regular],
+        _settled(lines)[regular],
+        melt,
+        arrays["void_speed_exponent"],
+    )
     if not is_given(lines):  # others have no bed, and no layers over it
         arrays["void_height"] = lines["y"].to_numpy()[:, -1]
         arrays |= layer_profile(arrays, regular, layers)
@@ -126,6 +158,7 @@ def _local_pressures(inputs: Inputs, viscosity: Viscosity) -> tuple[list[str], A
         **{f"isotropic {100 * shares[k]:g} %": quantiles[k] for k in order},
         "fibers": motion["lowest"].min("initial_angle").to_numpy(),
         "bounds": motion["bound_lowest"].to_numpy(),
+        **({FELT: motion["felt_lowest"].to_numpy()} if "felt_lowest" in motion else {}),
         **_spheroids(inputs, viscosity),
     }
     return list(below), own[:, None, :] + np.stack(list(below.values()), axis=1)
@@ -186,6 +219,24 @@ def _on_fibers(lines: xr.Dataset, motion: xr.Dataset) -> Array:
     return on_fibers
 
 
+def _exponents(lines: xr.Dataset, gauge: Array, name: str, vapor: float) -> dict[str, Array]:
+    """Return growth exponents and their errors (streamline, ...) of pressures [Pa, gauge].
+
+    From the inlet to zone 3, where the melt has the speed of the bed; on paths without zones to
+    their end.
+    """
+    time, viscosity = (lines[one].to_numpy()[:, None, :] for one in ("time", "viscosity"))
+    found = growth_exponent(time, gauge + ATMOSPHERE, vapor, viscosity, _settled(lines)[:, None])
+    return {name: found.value, f"{name}_error": found.error}
+
+
+def _settled(lines: xr.Dataset) -> Array:
+    """Return when the melt of each streamline has the speed of the bed [s], or the path ends."""
+    if "zone_time" in lines:
+        return np.asarray(lines["zone_time"].to_numpy()[:, -1])
+    return np.asarray(lines["time"].to_numpy()[:, -1])
+
+
 def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
     """Return what the melt is."""
     laws, temperature = melt.card.melt, melt.temperature
@@ -199,6 +250,7 @@ def _melt_variables(melt: MoistMelt, vapor: float) -> dict[str, Any]:
         "void_moisture": melt.moisture,
         "void_temperature": temperature,
         "void_saturation_moisture": float(laws.saturation_content(temperature)),
+        "void_boiling_moisture": _none(laws.critical_moisture(ATMOSPHERE, temperature)),
         "void_vapor_pressure": vapor,
         "void_saturation_pressure": float(saturation_pressure(temperature)),
         "void_threshold": melt.log10_threshold,

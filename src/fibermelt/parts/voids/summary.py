@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fibermelt.engine.quantities import or_none
-from fibermelt.parts.voids.advice import advice
+from fibermelt.parts.voids.answer import LABELS, answered
+from fibermelt.parts.voids.bubbles import gas_share
+from fibermelt.parts.voids.profile import FELT
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.units import PERCENT, ZERO_CELSIUS
+from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,42 +56,76 @@ def summarize_voids(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         The numbers on top hold for a fiber in its worst direction and without the streamlines that
-        pass close by a singular corner; ``including_singular`` with them. ``by_basis`` has the
+        pass close by a singular corner; ``including_singular`` with them, by the most that fibers
+        feel there (basis "felt") where the corners are known. ``by_basis`` has the
         same numbers of other pressures (see ``void_basis``), ``profile`` goes from the bed to the
         free surface; a flow that was not solved here has neither, and its paths no heights. None
         stands for what there is none of: a critical radius or a rate where no
         bubble can grow, a critical moisture where no moisture that the polymer can hold suffices.
         A critical moisture of 0 says that the melt is under tension: no drying helps.
+        ``growth_exponent`` of a streamline is that on its fibers, over the initial angles;
+        ``severity`` its mean by flux, of what fibers add and of the melt's own pressure, and
+        ``rest`` tells whether the melt boils in the air at rest. ``void_fraction`` is the share of
+        gas at the end of the swell, ``void_fraction_on_bed`` that after the time on the bed: what
+        the same nuclei have without fibers is ``rest``, what fibers add to it ``tips``.
     """
     labels = [str(label) for label in results["void_basis"].to_numpy()]
     regular, everything = (_totals(results, selection) for selection in ("regular", "all"))
-    return {
-        "voids": {
-            "material": {
-                "key": str(results["void_material"].item()),
-                "name": str(results["void_material_name"].item()),
-                "estimates": _lines(results["void_estimates"]),
-                "missing": _lines(results["void_missing"]),
-            },
-            "moisture": float(results["void_moisture"]),
-            "temperature": float(results["void_temperature"]),
-            "threshold_rate": float(10.0 ** results["void_threshold"]),
-            "saturation_moisture": float(results["void_saturation_moisture"]),
-            "saturation_pressure": float(results["void_saturation_pressure"]),
-            "vapor_pressure": float(results["void_vapor_pressure"]),
-            "speed_exponent": or_none(results["void_speed_exponent"]),
-            "basis": BASIS,
-            **regular[BASIS],
-            "including_singular": everything[BASIS],
-            "by_basis": {label: regular[label] for label in labels},
-            "streamlines": _streamlines(results, labels),
-            "profile": _profile(results, labels) if OF_A_BEAD in results else [],
-        }
+    voids = {
+        "material": {
+            "key": str(results["void_material"].item()),
+            "name": str(results["void_material_name"].item()),
+            "estimates": _lines(results["void_estimates"]),
+            "missing": _lines(results["void_missing"]),
+        },
+        "moisture": float(results["void_moisture"]),
+        "temperature": float(results["void_temperature"]),
+        "threshold_rate": float(10.0 ** results["void_threshold"]),
+        "saturation_moisture": float(results["void_saturation_moisture"]),
+        "saturation_pressure": float(results["void_saturation_pressure"]),
+        "vapor_pressure": float(results["void_vapor_pressure"]),
+        "rest": _rest(results),
+        "speed_exponent": or_none(results["void_speed_exponent"]),
+        "basis": BASIS,
+        **regular[BASIS],
+        **{
+            f"severity{kind}": {
+                of: or_none(results[f"severity_{of}{kind}"]) for of in ("fibers", "melt")
+            }
+            for kind in ("", "_error")
+        },
+        **_content(results.sel(void_selection="regular"), "bead"),
+        "including_singular": everything.get(FELT, everything[BASIS]),
+        "by_basis": {label: regular[label] for label in labels},
+        "streamlines": _streamlines(results, labels),
+        "profile": _profile(results, labels) if OF_A_BEAD in results else [],
     }
+    return {"voids": {**voids, "answer": answered(voids)}}
 
 
 def _lines(text: xr.DataArray) -> list[str]:
     return [line for line in str(text.item()).split("\n") if line]
+
+
+def _rest(results: xr.Dataset) -> dict[str, Any]:
+    """Return whether the melt boils where it is at rest in the air, and from which moisture on."""
+    return {
+        "boils": bool(results["void_vapor_pressure"] > ATMOSPHERE),
+        "boiling_moisture": or_none(results["void_boiling_moisture"]),
+    }
+
+
+def _content(results: xr.Dataset, of: str) -> dict[str, dict[str, float | None]]:
+    """Return the void content of the bead or of a layer: in all, by tips, and without fibers."""
+    found = {}
+    for name, station in (("void_fraction", "swell"), ("void_fraction_on_bed", "bed")):
+        whole, alone = (
+            float(results[f"void_{of}_content{kind}"].sel(void_station=station))
+            for kind in ("", "_rest")
+        )
+        parts = {"bead": whole, "tips": whole - alone, "rest": alone}
+        found[name] = {part: or_none(value) for part, value in parts.items()}
+    return found
 
 
 def _totals(results: xr.Dataset, selection: str) -> dict[str, dict[str, float | None]]:
@@ -102,6 +141,7 @@ def _totals(results: xr.Dataset, selection: str) -> dict[str, dict[str, float | 
             "critical_moisture": or_none(here["void_bead_moisture"][k]),
             "mean_critical_moisture": or_none(here["void_bead_mean_moisture"][k]),
             "share_below": or_none(here["void_bead_share_below"][k]),
+            "growth_exponent": or_none(here["void_bead_exponent"][k]),
         }
     return found
 
@@ -114,7 +154,12 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
     }
     height = told["void_height"].to_numpy() if OF_A_BEAD in results else None
     z = told["void_lowest_z"].to_numpy() if "void_lowest_z" in told else None
-    lowest = results["void_lowest_pressure"].transpose("streamline", "void_basis").to_numpy()
+    lowest, exponent = (
+        results[f"void_{name}"].transpose("streamline", "void_basis").to_numpy()
+        for name in ("lowest_pressure", "exponent")
+    )
+    fibers = results["void_fiber_exponent"].transpose("streamline", "initial_angle").to_numpy()
+    gas = results["void_gas"].sel(void_station="swell").to_numpy()
     return [
         {
             "index": int(results["streamline"][k]),
@@ -126,6 +171,13 @@ def _streamlines(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, A
             "y": float(arrays["lowest_y"][k]),
             **({} if z is None else {"z": float(z[k])}),
             "lowest_by_basis": dict(zip(labels, map(float, lowest[k]), strict=True)),
+            "growth_exponent": {
+                "mean": float(fibers[k].mean()),
+                "median": float(np.median(fibers[k])),
+                "highest": float(fibers[k].max()),
+            },
+            "exponent_by_basis": dict(zip(labels, map(float, exponent[k]), strict=True)),
+            "void_fraction": or_none(gas_share(gas[k])),
         }
         for k in range(results.sizes["streamline"])
     ]
@@ -147,6 +199,8 @@ def _layers(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
     told, vapor = results.sel(void_basis=BASIS), float(results["void_vapor_pressure"])
     names = ("lowest_pressure", "mean_pressure", "time_below", "moisture", "fiber_pressure")
     arrays = {name: told[f"void_layer_{name}"].to_numpy() for name in names}
+    own = results.sel(void_basis="melt")["void_layer_exponent"].to_numpy()
+    added = results["void_layer_fiber_exponent"].to_numpy() - own
     mean = results["void_layer_mean_pressure"].transpose("void_layer", "void_basis").to_numpy()
     return [
         {
@@ -157,6 +211,8 @@ def _layers(results: xr.Dataset, labels: Sequence[str]) -> list[dict[str, Any]]:
             "critical_moisture": or_none(arrays["moisture"][k]),
             "fiber_pressure": or_none(arrays["fiber_pressure"][k]),
             "mean_by_basis": dict(zip(labels, map(or_none, mean[k]), strict=True)),
+            "severity": {"fibers": or_none(added[k]), "melt": or_none(own[k])},
+            **_content(results.isel(void_layer=k), "layer"),
         }
         for k in range(results.sizes["void_layer"])
     ]
@@ -184,7 +240,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"lowest local    not told: every {word} passes a singular corner")
     else:
         lines += _worst(voids, worst)
-    lines.append(f"what to do      {advice(voids)}")
+    lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]
     if "held" in voids:
         lines.append(f"held            {voids['held']}")
     lines += [f"not known       {line}" for line in voids["material"]["missing"]]

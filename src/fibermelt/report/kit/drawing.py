@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -45,7 +46,7 @@ __all__ = [
 ]
 
 METAL, METAL_EDGE = "#c9ced4", "#7b848d"
-MELT = PALE
+MELT: Mapping[str, Any] = {"facecolor": PALE, "edgecolor": "none"}
 
 METAL_THICKNESS = 0.07
 """Of the nozzle's wall as drawn, over the inlet's width; what it really is does not matter."""
@@ -287,18 +288,20 @@ def draw_bed_motion(axes: Axes, results: xr.Dataset, scene: Scene) -> None:
     )
 
 
-def draw_outline(axes: Axes, scene: Scene, *, fill: bool = False) -> None:
+def draw_outline(axes: Axes, scene: Scene, *, fill: Mapping[str, Any] | None = None) -> None:
     """Draw the melt: walls dark, free surfaces as such."""
-    if fill:
+    if fill is not None:
         melt = plain(Path(scene.outline), OUTLINE * _drawn(axes))
-        axes.add_artist(PathPatch(melt, facecolor=MELT, edgecolor="none", zorder=0.7))
+        axes.add_artist(PathPatch(melt, **fill, zorder=0.7))
     for name, line in scene.sides.items():
         wall = name.endswith("wall")
         color = INK if wall or name.endswith("surface") else GREY
         axes.plot(*line.T, color=color, linewidth=0.9 if wall else 0.7, zorder=3)
 
 
-def draw_bead(axes: Axes, scene: Scene, window: Window, *, fill: bool = True) -> None:
+def draw_bead(
+    axes: Axes, scene: Scene, window: Window, *, fill: Mapping[str, Any] | None = MELT
+) -> None:
     """Draw the nozzle, the bed and the melt, as far as a window shows them."""
     draw_metal(axes, scene)
     draw_bed(axes, window)

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.colorbar import Colorbar
 
 __all__ = [
-    "ATMOSPHERE",
     "BAND",
     "BLUE",
     "COLUMN",
@@ -44,12 +43,14 @@ __all__ = [
     "GREY",
     "HIGH",
     "INK",
+    "JUDGED",
     "LOW",
     "ORANGE",
     "OTHERS",
     "PALE",
     "PINK",
     "SEQUENTIAL",
+    "UNJUDGED",
     "VERMILION",
     "Array",
     "Plain",
@@ -78,13 +79,23 @@ INK, GREY, OTHERS, BAND, PALE = "#1a1a1a", "#8c8c8c", "#bdbdbd", "#dedede", "#f0
 BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"
 ORANGE, PINK = "#e69f00", "#cc79a7"
 
-LOW, HIGH = "#a50f26", "#5b4a9e"
+LOW, HIGH = "#8c510a", "#5b4a9e"
 """Lowest and highest surface pressure: no colour of a streamline."""
 
 SEQUENTIAL = "cividis"
-DIVERGING = "RdBu_r"
-ATMOSPHERE = "RdBu"
-"""Pressure against the air's: red where it pulls on the melt, blue where it presses."""
+DIVERGING = "PuOr"
+"""What has a sign, without a verdict: orange below zero, purple above, as `LOW` and `HIGH` are."""
+
+JUDGED = "RdBu"
+"""Pressure against the vapor's of the melt's moisture, and nothing else: red is below it."""
+
+UNJUDGED: dict[str, Any] = {
+    "facecolor": "#e2e2e2",
+    "edgecolor": GREY,
+    "hatch": "/////",
+    "linewidth": 0,
+}
+"""Melt that no verdict is given on: white would pass for harmless."""
 
 SHADES, DARKEST, LIGHTEST = "plasma", 0.12, 0.85
 """Colours of a sweep: no darker than shows a dashed line on top, no lighter than shows on white."""

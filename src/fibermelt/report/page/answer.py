@@ -13,12 +13,11 @@ from fibermelt.paper.claims.section import counted, tally
 from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.flow.figures.lines import line_word
 from fibermelt.parts.flow.given import is_given
-from fibermelt.parts.voids.advice import advice
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.tables import fixed, number, short, sized
 from fibermelt.report.kit.templates import rendered
 from fibermelt.report.page.what_was_run import parameters
-from fibermelt.units import KPA, MM, MPA, PERCENT, ZERO_CELSIUS
+from fibermelt.units import KPA, MM, MPA
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,14 +101,11 @@ def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, s
     """Return the questions that the store answers, each with its answer."""
     if "voids" in summary:
         found = summary["voids"]
+        asked = [(one["question"], one["answer"]) for one in found["answer"]]
         worst = worst_line(found)
-        if worst is None:
-            return [("What to do?", advice(found))]
-        return [
-            ("Can it void?", _risk(found)),
-            ("Where?", _where(found, worst, results)),
-            ("What to do?", advice(found)),
-        ]
+        if worst is not None:
+            asked.insert(len(asked) - 1, ("Where is it worst?", _where(found, worst, results)))
+        return asked
     if "bound_lowest" in results:
         return _without_moisture(results)
     return _of_a_fiber(summary)
@@ -143,32 +139,6 @@ def _of_a_fiber(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
             )
         )
     return found
-
-
-def _risk(found: Mapping[str, Any]) -> str:
-    lowest, margin = found["lowest_pressure"], found["margin"]
-    vapor = (
-        f"the vapor pressure of {short(PERCENT * found['moisture'], 3)} % moisture at "
-        f"{found['temperature'] - ZERO_CELSIUS:.0f} °C, "
-        f"{number(MPA * found['vapor_pressure'], 3)} MPa"
-    )
-    on = "on a fiber in its worst direction the pressure"
-    flagged = sum(bool(line["near_singularity"]) for line in found["streamlines"])
-    left = (
-        f" Left out are the {flagged} of {len(found['streamlines'])} streamlines that pass a "
-        "singular corner, where no number can be trusted."
-        if flagged
-        else ""
-    )
-    if margin >= 0:
-        return f"No: {on} stays above {vapor}, by {number(MPA * margin, 3)} MPa.{left}"
-    share = found["share_below"]
-    of = "all of the melt" if share == 1 else f"{short(PERCENT * share, 2)} % of the melt"
-    return (
-        f"Yes: {on} falls to {number(MPA * lowest, 3)} MPa absolute, "
-        f"{number(-MPA * margin, 3)} MPa below {vapor}, and {of} sometime sees less than that "
-        f"pressure.{left}"
-    )
 
 
 def _place(results: xr.Dataset, x: float, y: float, z: float | None = None) -> str:

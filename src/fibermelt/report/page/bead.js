@@ -5,7 +5,8 @@
   const SVG = "http:" + "//www.w3.org/2000/svg";
   const COLORS = ["var(--one)", "var(--two)", "var(--three)"];
   const NEAR = 24; // pixels from a streamline that still pick it
-  const DEEP = 0.1; // MPa below the atmosphere at which the red is full
+  const DEEP = 0.1; // MPa below the vapor pressure at which the red is full
+  const VAPOR = data.vapor === null ? null : data.vapor / 1e3; // MPa above the atmosphere
   const WAY = 7000; // milliseconds that a fiber takes when it is played
 
   // From whole numbers to mm, s, MPa, degrees.
@@ -103,12 +104,14 @@
       });
     });
     const points = line().x.map((x, i) => [x, line().y[i]]);
-    draw(points, { stroke: "var(--ink)", "stroke-width": 2.6, "data-line": line().number });
-    for (let i = 1; i < points.length; i += 1) {
-      const depth = -0.5 * (fiber().low[i - 1] + fiber().low[i]);
+    // Near a sharp corner numbers depend on the mesh: neither red nor the full line of what is harmless.
+    const judged = VAPOR !== null && !line().near;
+    draw(points, { stroke: "var(--ink)", "stroke-width": 2.6, "data-line": line().number, ...(line().near ? { "stroke-dasharray": "2 4" } : {}) });
+    for (let i = 1; judged && i < points.length; i += 1) {
+      const depth = VAPOR - 0.5 * (fiber().low[i - 1] + fiber().low[i]);
       if (depth > 0) {
         const strength = Math.min(1, depth / DEEP);
-        draw([points[i - 1], points[i]], { stroke: "var(--low)", "stroke-width": 4, "stroke-opacity": strength, "stroke-linecap": strength < 1 ? "butt" : "round" });
+        draw([points[i - 1], points[i]], { stroke: "var(--below)", "stroke-width": 4, "stroke-opacity": strength, "stroke-linecap": strength < 1 ? "butt" : "round" });
       }
     }
     const millimetres = right - left > 15 ? 5 : 1;
@@ -169,6 +172,10 @@
       ...one.lowest.map((v, i) => [first.X(one.time[i]), first.Y(v)]).reverse()];
     element("path", { d: path(band) + "Z", fill: "var(--band)", "fill-opacity": 0.25 }, first.svg);
     element("path", { d: `M${LEFT} ${first.Y(0)}H${first.width - RIGHT}`, stroke: "var(--ink)", "stroke-width": 1 }, first.svg);
+    if (VAPOR !== null && VAPOR < high + room) {
+      element("path", { d: `M${LEFT} ${first.Y(VAPOR)}H${first.width - RIGHT}`, stroke: "var(--below)", "stroke-width": 1, "stroke-dasharray": "6 3" }, first.svg);
+      text(first.svg, first.width - RIGHT, first.Y(VAPOR) - 4, "vapor", { "text-anchor": "end" });
+    }
     first.curve(own.high, { stroke: "var(--high)" });
     first.curve(own.low, { stroke: "var(--low)" });
     first.curve(one.own, { stroke: "var(--melt)" });
@@ -227,7 +234,7 @@
       angle: `${words(turned(angle), 1)}°, ${words(turned(angle - value(one.flow, where)), 1)}°`,
     };
     for (const [name, content] of Object.entries(told)) at(`out-${name}`).textContent = content;
-    at("out-low").classList.toggle("below", low < 0);
+    at("out-low").classList.toggle("below", VAPOR !== null && !one.near && low < VAPOR);
     slider.setAttribute("aria-valuetext", `${told.time}: lowest on the fiber ${told.low}, fiber at ${words(turned(angle), 0)} degrees`);
   };
   const setTime = (time) => { state.time = time; showTime(); };

@@ -17,6 +17,8 @@ from fibermelt.engine.outputs import replace_output
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import StoreError
 from fibermelt.parts.bead.figures.interactive import NEEDS, bead_data
+from fibermelt.parts.flow.figures.judged import vapor_above_air
+from fibermelt.report.kit.glossary import glossary
 from fibermelt.report.kit.templates import rendered, text_of
 from fibermelt.report.page.answer import answer
 from fibermelt.report.page.embed import embed_figures
@@ -62,6 +64,8 @@ def render(
         {
             "title": title_of(results),
             "answer": answer(results, summary),
+            "glossary": glossary(),
+            "judges": vapor_above_air(results) is not None,
             "what_was_run": run,
             "bead": Markup(bead_data(results))
             if NEEDS.issubset(results)

@@ -11,6 +11,7 @@ from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.interaction.config import OWN
 from fibermelt.parts.melt.config import Melt
+from fibermelt.parts.process.config import Process
 from fibermelt.report.kit.tables import Column, number, short
 from fibermelt.report.kit.templates import rendered
 from fibermelt.study.config import Config
@@ -22,14 +23,16 @@ if TYPE_CHECKING:
 
 __all__ = ["parameters", "title_of", "what_was_run"]
 
-KEY = ("flow", "field", "paths", "melt", "fiber", "streamlines")
+KEY = ("process", "flow", "field", "paths", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
 
 OF_OTHERS = frozenset(
     [f"melt.{name}" for name in Melt.model_fields]
+    + [f"process.{name}" for name in Process.model_fields]
     + [f"interaction.{name}" for own in OWN.values() for name in own]
 )
-"""What a study may have none of: constants of another law or model, which are not shown."""
+"""What a study may have none of and is then not shown: constants of another law or model, what of
+the printer is not known."""
 
 LONGEST_LIST = 5
 """Items of a list that are written out; of a longer one the first two, the last, and how many."""
@@ -81,6 +84,8 @@ def what_was_run(results: xr.Dataset) -> Markup:
     for declaration in declarations(Config):
         by_section.setdefault(declaration.key.partition(".")[0], []).append(declaration)
     by_section.pop("study", None)
+    if all(values[item.key] == defaults[item.key] for item in by_section["process"]):
+        del by_section["process"]
     _of_the_source(by_section, values["flow.source"])
     parts = values["study.parts"]
     is_open = set(KEY if "bead" in parts else by_section)

@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fibermelt.errors import ConfigError
 from fibermelt.report.kit.plates import Plate
 from fibermelt.report.kit.style import (
     BAND,
@@ -28,6 +27,7 @@ from fibermelt.report.kit.style import (
 )
 from fibermelt.report.kit.tables import number
 from fibermelt.report.sweep.maps import map_words, maps_there, sweep_maps
+from fibermelt.report.sweep.marks import MARKS, SIZE, UNDETECTED
 from fibermelt.report.sweep.population import (
     figure_population,
     has_population,
@@ -41,9 +41,9 @@ from fibermelt.report.sweep.sampled import (
     sweep_quantiles,
 )
 from fibermelt.report.sweep.window import figure_window, window_words
-from fibermelt.sweeps.analysis import effect
+from fibermelt.sweeps.analysis import effect, why_no_effect
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
-from fibermelt.sweeps.window import critical_moistures
+from fibermelt.sweeps.window import window_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,6 +146,25 @@ def _chart(chart: Axes, table: SweepTable, response: Response, axis: Varied) -> 
         if table.groups:
             chart.plot(*_own(response, axis), linestyle="none", marker="D", **OWN)
     _y_range(chart, response)
+    if response.undetected.any():
+        limit = float(response.limit[response.undetected].max())
+        chart.axhspan(-limit, limit, zorder=0.2, **UNDETECTED)
+    without = [case for case, status in enumerate(table.status) if status == "failed"]
+    if without:
+        marker, face, _ = MARKS["failed"]
+        places = np.unique(axis.values[without])
+        chart.plot(
+            places,
+            np.zeros(len(places)),
+            marker,
+            transform=chart.get_xaxis_transform(),
+            ms=SIZE,
+            mec=INK,
+            mew=0.8,
+            mfc=face,
+            clip_on=False,
+            zorder=4,
+        )
     plain_numbers(chart)
     if axis.labels:
         chart.set_xticks(range(len(axis.labels)), [label[:12] for label in axis.labels])
@@ -190,22 +209,43 @@ def effects_words(collected: xr.Dataset, first: int = 0) -> Words:
         how = (
             "Lines: the mean over all other parameters; grey: from the least to the largest "
             "response over them. Where cases have no answer, the mean is over those combinations "
-            "of the others that the most values share, and of these alone; where no two cases "
-            "differ in a parameter alone, its effect cannot be told."
+            "of the others that the most values share, and of these alone."
         )
+        untold = [
+            axis.title
+            for axis in axes
+            if not any(np.isfinite(effect(table, one, axis)[1][0]).any() for one in table.varying)
+        ]
+        if untold:
+            how += f" What {' or '.join(untold)} does cannot be told: {why_no_effect(table)}."
     else:
         how = "A point for each case."
+    if count := table.status.count("failed"):
+        how += f" Crosses: values with failed cases, {count} of {len(table.status)} in all."
+    if any(one.undetected.any() for one in table.varying):
+        how += " Dotted: below the numerical error, not told from zero."
+    if any(len(axis.keys) > 1 for axis in axes):
+        how += (
+            " Keys that vary together are one parameter: which of them moves a response cannot be "
+            "told from it."
+        )
     same = [one.title.lower() for one in table.responses if not one.varies]
     rest = f" The same in all cases, or not there: {', '.join(same)}." if same else ""
     return Words(
         caption=(
-            f"Main effects: responses against {names}, to one scale for each response. {how}{rest}"
+            f"{_heading(table)}: responses against {names}, to one scale for each response. "
+            f"{how}{rest}"
         ),
         alt=(
             f"Small charts of {len(table.varying)} responses against {names}. "
             + " ".join(_strongest(table, one, axes) for one in table.varying)
         ),
     )
+
+
+def _heading(table: SweepTable) -> str:
+    """Return what the charts are: samples vary all at once, and show no effect by themselves."""
+    return "Samples" if table.is_sampled else "Main effects"
 
 
 def _strongest(table: SweepTable, response: Response, axes: tuple[Varied, ...]) -> str:
@@ -236,7 +276,7 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
     """
     table = sweep_table(collected)
     found: list[Plate] = []
-    if _is_window(collected):
+    if window_of(table) is not None:
         found.append(Plate("window", "The process window", figure_window, window_words))
     if has_population(collected, table):
         found.append(
@@ -248,7 +288,7 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
             found.append(
                 Plate(
                     f"effects-{first // ACROSS + 1}" if first else "effects",
-                    f"Main effects{more}",
+                    f"{_heading(table)}{more}",
                     partial(sweep_effects, first=first),
                     partial(effects_words, first=first),
                 )
@@ -267,12 +307,3 @@ def sweep_plates(collected: xr.Dataset) -> tuple[Plate, ...]:
             )
         )
     return tuple(found)
-
-
-def _is_window(collected: xr.Dataset) -> bool:
-    """Tell whether a sweep is a process window of which some case has an answer."""
-    try:
-        worst, median = critical_moistures(collected)
-    except ConfigError:
-        return False
-    return bool(np.isfinite(worst).any() and np.isfinite(median).any())

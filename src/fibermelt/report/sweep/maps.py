@@ -22,6 +22,7 @@ from fibermelt.report.kit.style import (
     plain_numbers,
 )
 from fibermelt.report.kit.tables import number
+from fibermelt.report.sweep.marks import MARKS, SIZE, became, told
 from fibermelt.sweeps.table import SweepTable, Varied, sweep_table
 
 if TYPE_CHECKING:
@@ -84,6 +85,7 @@ def _map(axes: Axes, table: SweepTable, response: Response) -> None:
     rows, up = _ordered(upright.values.reshape(table.shape)[:, 0])
     columns, right = _ordered(along.values.reshape(table.shape)[0])
     shown = values[np.ix_(rows, columns)]
+    cases = np.arange(values.size).reshape(table.shape)[np.ix_(rows, columns)]
     scale = mpl.colors.Normalize(np.nanmin(shown), np.nanmax(shown))
     axes.set_facecolor(OTHERS)
     axes.imshow(
@@ -100,12 +102,16 @@ def _map(axes: Axes, table: SweepTable, response: Response) -> None:
     axes.set_title(textwrap.fill(response.heading, 36), loc="left", pad=3)
     if max(table.shape) <= WRITTEN:
         for (row, column), value in np.ndenumerate(shown):
-            light = np.isfinite(value) and scale(value) < DARK
-            text = number(float(value), 3) if np.isfinite(value) else "no answer"
-            color, size = ("white" if light else INK), (6.5 if np.isfinite(value) else 5.5)
-            axes.text(column, row, text, ha="center", va="center", color=color, fontsize=size)
+            if not np.isfinite(value):
+                continue
+            text, light = told(response, int(cases[row, column])), scale(value) < DARK
+            color = "white" if light else INK
+            axes.text(column, row, text, ha="center", va="center", color=color, fontsize=6.5)
     else:
         plain_numbers(axes.figure.colorbar(axes.images[0], ax=axes, pad=0.02, fraction=0.06).ax)
+    for row, column in np.argwhere(~np.isfinite(shown)):
+        marker, face, _ = MARKS[became(table, response, int(cases[row, column]))]
+        axes.plot(column, row, marker, ms=SIZE, mec=INK, mew=0.8, mfc=face)
 
 
 def _ordered(values: Array) -> tuple[NDArray[np.intp], Array]:
@@ -128,8 +134,17 @@ def map_words(collected: xr.Dataset) -> Words:
     """Return caption and alternative text of `sweep_maps`."""
     table = sweep_table(collected)
     upright, along = table.axes
-    some_failed = any(not np.isfinite(one.values).all() for one in table.varying)
-    grey = " Grey: no answer." if some_failed else ""
+    without = {
+        became(table, one, int(case))
+        for one in table.varying
+        for case in np.flatnonzero(~np.isfinite(one.values))
+    }
+    words = {"failed": "cross", "pending": "circle", "none": "square"}
+    listed = ", ".join(f"{words[name]}: {MARKS[name][2]}" for name in MARKS if name in without)
+    counted = f" ({table.missing})" if table.missing else ""
+    grey = f" Grey: no answer, {listed}{counted}." if without else ""
+    if any(one.undetected.any() for one in table.varying):
+        grey += " What stands as less than a number is not told from zero, by its error."
     return Words(
         caption=(
             f"Responses over {upright.title} and {along.title}, a field for each case; each map "

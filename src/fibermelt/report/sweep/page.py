@@ -16,6 +16,7 @@ from markupsafe import Markup
 from fibermelt.engine.files import replace_file
 from fibermelt.engine.outputs import has_run
 from fibermelt.engine.schema import REPORT
+from fibermelt.report.kit.glossary import glossary
 from fibermelt.report.kit.plates import draw_plates
 from fibermelt.report.kit.templates import rendered, text_of
 from fibermelt.report.page.embed import Embedded, embed_plates
@@ -84,6 +85,7 @@ def _rendered(collected: xr.Dataset, computed: Computed | None, answer: Sequence
         {
             "title": table.title,
             "answer": answer,
+            "glossary": glossary(),
             "varied": varied_told(collected, table),
             "cases": cases_told(table),
             "figures": _figures(collected),

@@ -63,7 +63,9 @@ def has_population(collected: xr.Dataset, table: SweepTable) -> bool:
     """
     if not table.is_sampled or not {"extreme_mean", "near_singularity"} <= {*collected}:
         return False
-    if not {*NEEDED} <= {*collected["extreme_mean"].dims} or collected.sizes["location"] < 2:
+    if not {*NEEDED} <= {*collected["extreme_mean"].dims}:
+        return False
+    if not {1, 2} <= {*collected["location"].to_numpy().tolist()}:
         return False
     with_answer = np.isfinite(_lowest(collected, 1)).any(axis=1)
     return bool(np.count_nonzero(with_answer) > 1)
@@ -82,7 +84,7 @@ def _lowest(collected: xr.Dataset, location: int) -> Array:
 
 
 def _regular(collected: xr.Dataset) -> Which:
-    """Return which streamlines pass no singular corner in any case; all if every one does."""
+    """Return which streamlines pass no sharp corner in any case; all if every one does."""
     flagged = collected["near_singularity"].transpose("case", "streamline").to_numpy()
     found = ~(np.nan_to_num(flagged) > 0).any(axis=0)
     return np.asarray(found if found.any() else ~found)
@@ -124,12 +126,12 @@ def figure_population(collected: xr.Dataset) -> Figure:
 
 
 def _bottom(both: list[Array], steady: Which) -> float:
-    """Return the foot of the scale [MPa], which streamlines near a singular corner do not set."""
+    """Return the foot of the scale [MPa], which streamlines near a sharp corner do not set."""
     return (1 + ROOM) * min(float(np.nanmin(bands[:, steady])) for bands in both)
 
 
 def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> None:
-    """Draw one location; diamonds stand for the medians near a singular corner."""
+    """Draw one location; diamonds stand for the medians near a sharp corner."""
     place = collected["streamline"].to_numpy()
     low, middle, high = np.where(steady, bands, np.nan)
     axes.fill_between(place, low, high, color=BLUE, alpha=0.25, linewidth=0)
@@ -139,7 +141,7 @@ def _chart(axes: Axes, collected: xr.Dataset, bands: Array, steady: Which) -> No
     axes.set_xlim(place[0] - 0.7, place[-1] + 0.7)
     axes.locator_params(axis="x", integer=True)
     plain_numbers(axes)
-    axes.set_xlabel("streamline, from the left edge")
+    axes.set_xlabel("streamline, from the upstream edge")
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
 
@@ -149,7 +151,7 @@ def _key(table: SweepTable) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=BLUE, linewidth=1.4, label="median"),
         Patch(facecolor=BLUE, alpha=0.25, label="5 to 95 % of the cases"),
-        key_mark("D", "median near a singular corner", BLUE, 3.5, face="white"),
+        key_mark("D", "median near a sharp corner", BLUE, 3.5, face="white"),
     ]
     if table.weighing is not None:
         label = f"median weighed by {table.weighing.title}"
@@ -186,9 +188,9 @@ def population_words(collected: xr.Dataset) -> Words:
         caption=(
             "Lowest surface pressure less the melt's own by streamline, the mean over the initial "
             f"angles of a fiber, over {over}{cases} cases that differ in {names}: median "
-            "and the band in which nine of ten cases lie, on each streamline for itself, above the "
-            "middle of the capillary (Loc. 1) and below it (Loc. 2). Every case counts once. "
-            f"{QUANTILE_RULE}{weighed}{flagged}{'.' if flagged else ''}"
+            "and the band in which nine of ten cases lie, on each streamline for itself, before "
+            "the capillary (Loc. 1) and from the exit to the end of the swell (Loc. 2). Every case "
+            f"counts once. {QUANTILE_RULE}{weighed}{flagged}{'.' if flagged else ''}"
         ),
         alt="Two charts by streamline. "
         + " ".join(

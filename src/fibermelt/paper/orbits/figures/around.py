@@ -18,8 +18,8 @@ from fibermelt.report.kit.drawing import frame, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
     COLUMN,
+    DIVERGING,
     INK,
     Array,
     Words,
@@ -120,7 +120,7 @@ def _panel(axes: Axes, results: xr.Dataset, k: int, levels: Array) -> QuadContou
         np.concatenate([pressure, pressure[:, :1]], axis=1),
         levels=levels,
         norm=BoundaryNorm(levels, 256, extend="both"),
-        cmap=ATMOSPHERE,
+        cmap=DIVERGING,
         extend="both",
         zorder=1,
     )

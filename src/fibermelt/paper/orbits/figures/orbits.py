@@ -82,7 +82,7 @@ def motion_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"One turn of a fiber in simple shear, {_base(results)}: (a) its angle from the flow "
-            f"and (b) its spin. Red: in {cell_name(results)}. Blue: Jeffery's closed form in an "
+            f"and (b) its spin. Orange: in {cell_name(results)}. Blue: Jeffery's closed form in an "
             f"unbounded melt. Full turn: {_period(ours)} in the cell, {_period(jeffery)} unbounded."
         ),
         alt=told,
@@ -133,7 +133,7 @@ def pressures_words(results: xr.Dataset) -> Words:
         caption=(
             f"Pressure on a fiber over one turn in simple shear, {_base(results)}, less the far "
             "field's: (a) highest (continuous) and lowest (dashed) over the surface, (b) at the "
-            f"tips. Red: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest over "
+            f"tips. Orange: in {cell_name(results)}. Blue: Jeffery's, unbounded. Lowest over "
             f"every orientation: {lowest[0]:.2f} kPa in the cell and {lowest[1]:.2f} kPa "
             f"unbounded, with the fiber at {angle:.0f}° to the flow, from where it turns into the "
             "flow's direction."

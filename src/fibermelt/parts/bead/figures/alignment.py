@@ -105,7 +105,7 @@ def alignment_words(results: xr.Dataset) -> Words:
             f"at zone {zone} half of them within {half[steady].min():.0f}° to "
             f"{half[calm]:.0f}°, the latter on {word} {int(results['streamline'][calm])}"
         )
-    near = at_corners(results, f"Diamonds: {word}s", ", near a singular corner.")
+    near = at_corners(results, f"Diamonds: {word}s", ", near a sharp corner.")
     zones = (
         "zones 1 to 3" if len(angles) == len(ZONES) else f"zone {' and '.join(map(str, angles))}"
     )

@@ -24,7 +24,7 @@ from fibermelt.report.kit.drawing import curves, frame, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import Window
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
+    DIVERGING,
     FULL,
     INK,
     VERMILION,
@@ -119,7 +119,7 @@ def cell_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"Fig. 5a and 6a of the paper: {cell} (b, d) Pressure less the melt's in simple "
-            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Red: lower than the "
+            f"shear with the fiber at {angle:.1f}° to the flow, {lowest}. Orange: lower than the "
             f"melt's own pressure.{newtonian}"
         ),
         alt=(
@@ -204,7 +204,7 @@ def _pressure(axes: Axes, results: xr.Dataset, found: Deepest) -> TriContourSet:
     """Draw the pressure in the flow's axes, the fiber at the orientation found."""
     levels = round_up(-found.pressure) * LEVELS
     values = stored_surroundings(results).around(SHEAR, found.angle, viscosity=1.0).pressure
-    field = draw_contours(axes, net(results, found.angle), values, levels, ATMOSPHERE)
+    field = draw_contours(axes, net(results, found.angle), values, levels, DIVERGING)
     draw_fiber(axes, results, found.angle)
     return field
 

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 __all__ = ["EXTREMES", "figure_extremes"]
 
 EXTREMES = (
-    ("lowest at Loc. 1", 0, "min"),
-    ("lowest at Loc. 2", 1, "min"),
-    ("highest at Loc. 1", 0, "max"),
-    ("highest at Loc. 2", 1, "max"),
+    ("lowest at Loc. 1", 1, "min"),
+    ("lowest at Loc. 2", 2, "min"),
+    ("highest at Loc. 1", 1, "max"),
+    ("highest at Loc. 2", 2, "max"),
 )
-"""The paper's four panels: what they show, the place of the location, the kind."""
+"""The paper's four panels: what they show, the location, the kind."""
 
 
 def extremes_words(results: xr.Dataset) -> Words:
@@ -33,32 +33,32 @@ def extremes_words(results: xr.Dataset) -> Words:
     near = at_corners(
         results,
         "Diamonds, left out of lines and scales: streamlines",
-        ", near a singular corner, whose values depend on the mesh; what is off the scale is told "
+        ", near a sharp corner, whose values depend on the mesh; what is off the scale is told "
         "as a number.",
     )
-    value = MPA * extreme_of(results, "extreme", 1, "min", "initial_angle")
+    value = MPA * extreme_of(results, "extreme", 2, "min", "initial_angle")
     width = np.where(regular(results), np.ptp(value, axis=1), -1.0)
     widest = int(np.argmax(width))
     at = int(results["streamline"][widest])
     beside = against_paper(
         results,
         "The paper's text has means of −0.5 MPa in (a), nearly uniform, and of −0.8 MPa at the "
-        "left edge to −0.1 MPa at the right in (b); here they run over "
-        f"{_range(results, 0, 'min')} and {_range(results, 1, 'min')}.",
+        "upstream edge to −0.1 MPa at the other in (b); here they run over "
+        f"{_range(results, 1, 'min')} and {_range(results, 2, 'min')}.",
     )
     return Words(
         caption=(
             f"Fig. 18 of the paper: extremes of the surface pressure less the melt's own, by "
-            f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median red), "
-            "above the middle of the capillary (Loc. 1) and below it (Loc. 2). Wide band: the "
-            "exact bounds over every orientation, from the mildest to the worst. Narrow band: "
-            f"quantiles of an isotropic start.{near}{_beyond(results)}{beside}"
+            f"streamline, for fibers of {initial_angles(results)} (points; mean blue, median "
+            "dashed), before the capillary (Loc. 1) and in the swell (Loc. 2). Wide band: "
+            "the exact bounds over every direction, from the mildest to the worst. Narrow band: "
+            f"quantiles of randomly entering fibers.{near}{_beyond(results)}{beside}"
         ),
         alt=(
-            "Four charts by streamline. Away from singular corners the mean over the initial "
-            f"angles runs over {_range(results, 0, 'min')} for the lowest pressure at Loc. 1, "
-            f"{_range(results, 1, 'min')} at Loc. 2, {_range(results, 0, 'max')} for the highest "
-            f"at Loc. 1 and {_range(results, 1, 'max')} at Loc. 2. At Loc. 2 the initial angle "
+            "Four charts by streamline. Away from sharp corners the mean over the initial "
+            f"angles runs over {_range(results, 1, 'min')} for the lowest pressure at Loc. 1, "
+            f"{_range(results, 2, 'min')} at Loc. 2, {_range(results, 1, 'max')} for the highest "
+            f"at Loc. 1 and {_range(results, 2, 'max')} at Loc. 2. At Loc. 2 the initial angle "
             f"matters most on streamline {at}, where lowest pressures differ by "
             f"{number(np.ptp(value[widest]), 3)} MPa."
         ),
@@ -93,7 +93,7 @@ def figure_extremes(results: xr.Dataset) -> Figure:
 
 
 def _range(results: xr.Dataset, location: int, kind: str) -> str:
-    """Return between which numbers the mean lies on streamlines away from singular corners."""
+    """Return between which numbers the mean lies on streamlines away from sharp corners."""
     value = MPA * extreme_of(results, "extreme", location, kind, "initial_angle")
     mean = value.mean(axis=1)[regular(results)]
     return f"{ranged(mean.min(), mean.max())} MPa"

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fibermelt.parts.flow.figures.judged import vapor_above_air
 from fibermelt.parts.flow.figures.lines import evenly, features
 from fibermelt.report.kit.drawing import METAL_THICKNESS
-from fibermelt.report.kit.scene import Scene, Window, read_scene
+from fibermelt.report.kit.scene import MPA, Scene, Window, read_scene
 from fibermelt.report.kit.style import Array
 
 if TYPE_CHECKING:
@@ -48,15 +49,18 @@ def bead_data(results: xr.Dataset) -> str:
         Streamlines with, for each point that is kept, place, time, pressure of the melt, bounds
         over every orientation, direction of the flow, and for each initial angle the fiber's
         angle and its lowest and highest pressure less the melt's. Points are dense where
-        something changes, and hold every fiber's lowest pressure.
+        something changes, and hold every fiber's lowest pressure. ``vapor`` is the vapor pressure
+        of the moisture in the melt, null where the study has none.
     """
     scene = read_scene(results)
     starts = evenly(results.sizes["initial_angle"], MOST_ANGLES)
     marked = {feature.row: feature for feature in features(results)}
     rows = sorted({*evenly(results.sizes["streamline"], MOST_LINES), *marked})
     colors = {feature.number: k for k, feature in enumerate(marked.values())}
+    vapor = vapor_above_air(results)
     data = {
         "scene": _scene(scene),
+        "vapor": None if vapor is None else round(PRESSURE / MPA * vapor),
         "ratio": float(results["aspect_ratio"]),
         "starts": [_start(results, k) for k in starts],
         "marked": colors,

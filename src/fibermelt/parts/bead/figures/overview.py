@@ -1,4 +1,4 @@
-"""The bead at a glance: where fibers may pull the melt below the atmosphere (Fig. 18, 19)."""
+"""The bead at a glance: where fibers may pull the melt below its vapor (Fig. 18, 19)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fibermelt.parts.bead.figures.spread import draw_spread, spread_key
 from fibermelt.parts.flow.figures.carpet import weave
+from fibermelt.parts.flow.figures.judged import (
+    colors_said,
+    held_against,
+    key_of_unjudged,
+    vapor_above_air,
+)
 from fibermelt.parts.flow.figures.lines import features, regular
 from fibermelt.report.kit.drawing import (
     draw_bead,
@@ -19,20 +23,18 @@ from fibermelt.report.kit.drawing import (
     main_scene,
     mark_exit,
     on_paper,
-    paint,
     scene_axes,
     spread_out,
 )
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, read_scene
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
+    UNJUDGED,
+    Array,
     Words,
     add_axes,
-    color_bar,
     key_above,
     letter,
-    round_up,
 )
 from fibermelt.report.kit.tables import number, ranged, sized
 
@@ -41,11 +43,13 @@ if TYPE_CHECKING:
 
 __all__ = ["figure_overview"]
 
-CHARTS, SCALE = 64.0, 21.0
+CHARTS, SCALE = 64.0, 25.0
 """Height of the charts below the scene, and of the colour scale above the exit [mm]."""
 
-PLACES = ("above mid-capillary", "below mid-capillary")
+PLACES = {1: "before the capillary", 2: "in the swell"}
 """Where the paper's Loc. 1 and Loc. 2 lie."""
+
+WHAT = "lowest pressure on a fiber"
 
 FIBERS = "#404040"
 
@@ -61,24 +65,26 @@ def overview_words(results: xr.Dataset) -> Words:
     row, at = np.unravel_index(np.argmin(chosen), chosen.shape)
     width = read_scene(results).width
     where = [sized(MM * float(results[name][row, at]), width) for name in "xy"]
-    extreme = results["extreme"].sel(kind="min").mean("initial_angle")
+    extreme = results["extreme"].sel(kind="min", location=[*PLACES]).mean("initial_angle")
     mean = MPA * extreme.transpose("location", "streamline").to_numpy()
     share = 100 * float(results["quantile"][0])
     return Words(
         caption=(
-            "The bead at a glance. Red: the pressure on a fiber's surface lies below the "
-            "atmosphere's, where a void may form. (a) For the worst orientation there and then: "
-            f"no fiber sees less. (b) Near the exit, what {share:.0f} % of the fibers of an "
-            "isotropic start fall below: in the capillary fibers lie along the flow, and the worst "
-            "orientation is rare. Drawn between the first and the last streamline. (c, d) Lowest "
-            "surface pressure less the melt's own, by streamline, above the middle of the "
-            "capillary and below it; diamonds: the streamline passes near a singular corner, and "
-            "its numbers depend on the mesh."
+            "The bead at a glance: lowest pressure on the surface of a fiber; "
+            f"{colors_said(results)}. (a) In the "
+            "worst direction there and then: no fiber sees less. (b) Near the exit, what "
+            f"{share:.0f} % of the fibers fall below that enter in random directions: in the "
+            "capillary fibers lie along the flow, and the worst direction is rare. Hatched: melt "
+            "beyond the first and the last streamline, and around those that pass near a sharp "
+            "corner, whose numbers depend on the mesh. (c, d) Lowest surface pressure less the "
+            "melt's own, by streamline, before the capillary and in the swell; diamonds: "
+            "streamlines near a sharp corner."
         ),
         alt=(
             "Map of the lowest pressure on fibers, from well above the atmosphere's in the upper "
-            "nozzle to about the atmosphere's in the settled bead. Away from singular corners "
-            f"the worst orientation gives {number(chosen[row, at], 3)} MPa, on streamline "
+            f"nozzle to about the atmosphere's in the settled bead. {_verdict(results, bound)}Away "
+            "from sharp corners the worst direction gives "
+            f"{number(chosen[row, at], 3)} MPa above the atmosphere's, on streamline "
             f"{int(results['streamline'][row])} at x = {where[0]} mm, y = {where[1]} mm. "
             "Two charts by streamline of the lowest pressure on a fiber less the melt's own: its "
             "mean over the initial angles lies at Loc. 1 between "
@@ -86,6 +92,15 @@ def overview_words(results: xr.Dataset) -> Words:
             f"{ranged(mean[1].min(), mean[1].max(), between='and')} MPa."
         ),
     )
+
+
+def _verdict(results: xr.Dataset, bound: Array) -> str:
+    """Return on how many streamlines red is met; nothing where nothing is judged."""
+    vapor = vapor_above_air(results)
+    if vapor is None:
+        return ""
+    below = (bound[regular(results)] < vapor).any(axis=1)
+    return f"Red is met on {np.count_nonzero(below)} of the {below.size} streamlines judged. "
 
 
 @plate(
@@ -105,29 +120,25 @@ def figure_overview(results: xr.Dataset) -> Figure:
     own = MPA * results["pressure"].to_numpy()
     worst = own + MPA * results["bound_lowest"].to_numpy()
     unlucky = own + MPA * results["quantile_lowest"].to_numpy()[..., 0]
-    limit = round_up(float(own.max()))
-    norm = Normalize(-limit, limit)
+    left_out = results["near_singularity"].to_numpy() > 0
+    against = held_against(results, worst[regular(results)], WHAT)
     for panel, window, values in ((axes, scene.whole, worst), (gap, scene.exit, unlucky)):
         _bead(panel, results, scene, window)
         if carpet is not None:
-            paint(panel, carpet.triangles, carpet.values(values), norm, ATMOSPHERE)
+            against.paint(panel, carpet, values, left_out)
     draw_bed_motion(axes, results, scene)
     _numbers(axes, results)
     mark_exit(axes, gap, scene)
     share = 100 * float(results["quantile"][0])
-    letter(axes, "a  worst orientation of a fiber", inside=True)
-    letter(gap, f"b  {share:.0f} % of fibers from an isotropic start see less (dashed frame)")
+    letter(axes, "a  worst direction of a fiber", inside=True)
+    letter(gap, f"b  {share:.0f} % of randomly entering fibers see less (dashed frame)")
     bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
-    color_bar(
-        ScalarMappable(norm, ATMOSPHERE),
-        bar,
-        "lowest pressure on a fiber [MPa], atmosphere = 0",
-        extend="both",
-    )
-    for k, left in enumerate((14.0, 109.0)):
+    against.bar(bar)
+    key_of_unjudged(bar, results)
+    for k, (left, (location, place)) in enumerate(zip((14.0, 109.0), PLACES.items(), strict=True)):
         chart = add_axes(figure, left, 9, 78, CHARTS - 24)
-        draw_spread(chart, results, k, "min")
-        letter(chart, f"{'cd'[k]}  Loc. {k + 1}, {PLACES[k]}")
+        draw_spread(chart, results, location, "min")
+        letter(chart, f"{'cd'[k]}  Loc. {location}, {place}")
         if k == 0:
             chart.set_ylabel("lowest less melt's own [MPa]")
             key_above(chart, spread_key(results), 1.12, columns=6, between=1.1)
@@ -136,7 +147,7 @@ def figure_overview(results: xr.Dataset) -> Figure:
 
 def _bead(axes: Axes, results: xr.Dataset, scene: Scene, window: Window) -> None:
     """Draw the bead, with the marked streamlines as thin lines."""
-    draw_bead(axes, scene, window)
+    draw_bead(axes, scene, window, fill=UNJUDGED)
     for feature in features(results):
         line = (MM * results[name].to_numpy()[feature.row] for name in "xy")
         axes.plot(*line, color=FIBERS, linewidth=0.4, zorder=2)

@@ -9,19 +9,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from fibermelt.fields.simplices import facets, ridges
 from fibermelt.parts.bead.figures.spread import draw_spread, spread_key
-from fibermelt.parts.flow.figures.lines import evenly, features, initial_angles, regular
+from fibermelt.parts.flow.figures.judged import Against, colors_said, held_against
+from fibermelt.parts.flow.figures.lines import (
+    at_corners,
+    evenly,
+    features,
+    initial_angles,
+    regular,
+)
 from fibermelt.parts.flow.figures.timeline import SIDES, draw_own, on_fibers, own
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Index
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
     BAND,
     FULL,
     GREY,
@@ -29,11 +33,9 @@ from fibermelt.report.kit.style import (
     Array,
     Words,
     add_axes,
-    color_bar,
     key_above,
     letter,
     new_figure,
-    round_up,
 )
 from fibermelt.report.kit.tables import number, ranged, short
 
@@ -57,8 +59,8 @@ SHARP = 0.8
 
 PLACES = {
     0: "on the way",
-    1: "above the middle of the capillary (Loc. 1)",
-    2: "below it (Loc. 2)",
+    1: "before the capillary (Loc. 1)",
+    2: "from the exit to the end of the swell (Loc. 2)",
 }
 """The locations of extremes, in words."""
 
@@ -88,6 +90,7 @@ def paths_words(results: xr.Dataset) -> Words:
         f"{name} = {number(MM * float(results[name].to_numpy()[row, at]), 3)} mm" for name in names
     )
     count = results.sizes["streamline"]
+    left = at_corners(results, "Dotted, left out: paths", ", near a sharp corner.")
     sides = (
         " from its side, from above and along the flow; (d) where they end"
         if "z" in results
@@ -96,8 +99,7 @@ def paths_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             f"The {count} paths{sides}. Colour: the lowest pressure on the surface of a fiber in "
-            "its worst orientation there and then, above the atmosphere's; red: below it, where a "
-            "void may form."
+            f"its worst direction there and then; {colors_said(results, line=False)}.{left}"
         ),
         alt=(
             f"{count} paths coloured by the lowest pressure on a fiber, least on path "
@@ -114,48 +116,46 @@ def figure_paths(results: xr.Dataset) -> Figure:
     space = "z" in results
     figure = new_figure(FULL, 150 if space else 96)
     lowest = _lowest(results)
-    limit = round_up(float(np.abs(lowest[regular(results)]).max()))
-    norm = Normalize(-limit, limit)
+    against = held_against(results, lowest[regular(results)], "lowest pressure on a fiber")
     if space:
         places = ((13, 88, 80, 48), (13, 24, 80, 48), (108, 88, 72, 48))
         for k, (plane, place) in enumerate(zip(PLANES, places, strict=True)):
             axes = add_axes(figure, *place)
-            _projection(axes, results, plane, lowest, norm)
+            _projection(axes, results, plane, lowest, against)
             letter(axes, f"{'abc'[k]}  {VIEWS[k]}")
         ends = add_axes(figure, 108, 24, 72, 48)
-        _ends(ends, results, lowest, norm)
+        _ends(ends, results, lowest, against)
         letter(ends, "d  where the paths end")
     else:
         axes = add_axes(figure, 13, 26, 170, 62)
-        _projection(axes, results, ("x", "y"), lowest, norm)
-    bar = add_axes(figure, 13, 10, 170, 2.5)
-    color_bar(
-        ScalarMappable(norm, ATMOSPHERE),
-        bar,
-        "lowest pressure on a fiber in its worst orientation [MPa], atmosphere = 0",
-        extend="both",
-    )
+        _projection(axes, results, ("x", "y"), lowest, against)
+    against.bar(add_axes(figure, 13, 10, 170, 2.5))
     return figure
 
 
 def _projection(
-    axes: Axes, results: xr.Dataset, plane: tuple[str, str], lowest: Array, norm: Normalize
+    axes: Axes, results: xr.Dataset, plane: tuple[str, str], lowest: Array, against: Against
 ) -> None:
     """Draw paths as seen across a plane, with the field's boundary behind them."""
     _draw_boundary(axes, results, plane)
     across, up = (MM * results[name].to_numpy() for name in plane)
     segments, colors = [], []
+    near = results["near_singularity"].to_numpy() > 0
     for row in _drawn_rows(results):
         points = np.stack([across[row], up[row]], axis=-1)
         keep = np.unique(np.linspace(0, len(points) - 1, SPARSE).astype(int))
+        if near[row]:
+            axes.plot(*points[keep].T, color=GREY, linewidth=1.1, linestyle=":")
+            continue
         pieces = np.stack([points[keep][:-1], points[keep][1:]], axis=1)
         segments.append(pieces)
         colors.append(np.minimum.reduceat(lowest[row], keep[:-1]))
-    lines = LineCollection(
-        list(np.concatenate(segments)), cmap=ATMOSPHERE, norm=norm, linewidth=1.1
-    )
-    lines.set_array(np.concatenate(colors))
-    axes.add_collection(lines)
+    if segments:
+        lines = LineCollection(
+            list(np.concatenate(segments)), cmap=against.colors, norm=against.norm, linewidth=1.1
+        )
+        lines.set_array(np.concatenate(colors) - against.zero)
+        axes.add_collection(lines)
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"{plane[0]} [mm]")
@@ -193,15 +193,17 @@ def _edges(results: xr.Dataset) -> Index | None:
     return np.asarray(edges[turn < SHARP])
 
 
-def _ends(axes: Axes, results: xr.Dataset, lowest: Array, norm: Normalize) -> None:
+def _ends(axes: Axes, results: xr.Dataset, lowest: Array, against: Against) -> None:
     """Draw where paths end, as seen along the flow, coloured by the lowest on the whole way."""
     across, up = (MM * results[name].to_numpy()[:, -1] for name in ("z", "y"))
+    near = results["near_singularity"].to_numpy() > 0
+    axes.scatter(across[near], up[near], s=14, facecolors="none", edgecolors=GREY, linewidths=0.6)
     axes.scatter(
-        across,
-        up,
-        c=lowest.min(axis=1),
-        cmap=ATMOSPHERE,
-        norm=norm,
+        across[~near],
+        up[~near],
+        c=lowest[~near].min(axis=1) - against.zero,
+        cmap=against.colors,
+        norm=against.norm,
         s=14,
         edgecolors=INK,
         linewidths=0.3,
@@ -223,8 +225,8 @@ def path_histories_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             "Pressure along marked paths, above the atmosphere's: the melt's own (black), and the "
-            "lowest (red) and highest (blue) on a fiber's surface, from the bounds over every "
-            f"orientation (dashed) and for {share} of fibers of an isotropic start (dark band)."
+            "lowest (brown) and highest (purple) on a fiber's surface, from the bounds over every "
+            f"direction (dashed) and for {share} of randomly entering fibers (dark band)."
         ),
         alt=f"Charts over time of pressures on fibers, in the worst orientation, {told}.",
     )
@@ -268,28 +270,28 @@ def path_extremes_words(results: xr.Dataset) -> Words:
     """Return caption and alternative text."""
     steady = regular(results)
     value = MPA * results["extreme"].mean("initial_angle").transpose("streamline", ...)
-    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    places = results["location"].to_numpy().tolist()
     told = []
-    for row, place in enumerate(places):
+    for place in places:
         low, high = (
-            value.isel(location=row).sel(kind=kind).to_numpy()[steady] for kind in ("min", "max")
+            value.sel(location=place, kind=kind).to_numpy()[steady] for kind in ("min", "max")
         )
         told.append(
-            f"{place} the lowest from {ranged(low.min(), low.max())} MPa, the highest from "
+            f"{PLACES[place]} the lowest from {ranged(low.min(), low.max())} MPa, the highest from "
             f"{ranged(high.min(), high.max())} MPa"
         )
     error = MPA * float(results["extreme_error"].to_numpy()[steady].max())
-    where = "over the whole way" if len(places) == 1 else f"{places[0]} and {places[1]}"
+    where = ", ".join(PLACES[place] for place in places)
     return Words(
         caption=(
             f"Extremes of the surface pressure less the melt's own {where}, by path, for "
-            f"fibers of {initial_angles(results)} (points; mean blue, median red). Wide band: the "
-            "bounds over every orientation, from the mildest to the worst; narrow band: quantiles "
-            "of an isotropic start. The points' spacing and the gradient's error leave "
-            f"{short(error, 2)} MPa at most."
+            f"fibers of {initial_angles(results)} (points; mean blue, median dashed). Wide band: "
+            "the bounds over every direction, from the mildest to the worst; narrow band: "
+            "quantiles of randomly entering fibers. The points' spacing and the gradient's error "
+            f"leave {short(error, 2)} MPa at most."
         ),
         alt=(
-            f"{('Two', 'Four')[len(places) - 1]} charts by path of extreme pressures on fibers "
+            f"{2 * len(places)} charts by path of extreme pressures on fibers "
             "less the melt's own: on the mean over the initial angles "
             f"{'; '.join(told)}."
         ),
@@ -306,13 +308,13 @@ def path_extremes_words(results: xr.Dataset) -> Words:
 )
 def figure_path_extremes(results: xr.Dataset) -> Figure:
     """Draw lowest and highest surface pressure less the melt's own by path, at each location."""
-    places = [PLACES[place] for place in results["location"].to_numpy().tolist()]
+    places = results["location"].to_numpy().tolist()
     figure = new_figure(FULL, 12 + 56 * len(places))
     for row, place in enumerate(places):
         for k, kind in enumerate(("min", "max")):
             axes = add_axes(figure, 15 + 95 * k, 10 + 56 * (len(places) - 1 - row), 78, 43)
-            draw_spread(axes, results, row, kind)
-            letter(axes, f"{'abcd'[2 * row + k]}  {('lowest', 'highest')[k]} {place}")
+            draw_spread(axes, results, place, kind)
+            letter(axes, f"{'abcdef'[2 * row + k]}  {('lowest', 'highest')[k]} {PLACES[place]}")
             if k == 0:
                 axes.set_ylabel("less the melt's own [MPa]")
                 if row == 0:

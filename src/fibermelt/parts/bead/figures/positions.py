@@ -11,8 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from fibermelt.fiber.extremes import locations
 from fibermelt.parts.bead.figures.extremes import EXTREMES
 from fibermelt.parts.bead.figures.spread import extreme_of, spread_limits
+from fibermelt.parts.bead.stages import stored_path, stored_zones
 from fibermelt.parts.flow.figures.lines import against_paper, at_corners, initial_angles, regular
 from fibermelt.parts.flow.figures.streamlines import draw_zones
 from fibermelt.report.kit.drawing import draw_bead, frame, scale_bar, scene_axes
@@ -64,8 +66,8 @@ def positions_words(results: xr.Dataset) -> Words:
         if outside
         else ""
     )
-    above = mean[0, "min"] - scene.capillary_entrance
-    below = lips - mean[1, "max"]
+    above = mean[1, "min"] - scene.capillary_entrance
+    below = lips - mean[2, "max"]
 
     def apart(values: Array) -> str:
         low, high = (sized(end, scene.width) for end in (values.min(), values.max()))
@@ -77,13 +79,13 @@ def positions_words(results: xr.Dataset) -> Words:
         f"{apart(below)} mm below it.",
     )
     near = at_corners(
-        results, "Diamonds, left out of the means: streamlines", ", near a singular corner."
+        results, "Diamonds, left out of the means: streamlines", ", near a sharp corner."
     )
     return Words(
         caption=(
             f"Fig. 19 of the paper: where fibers of {initial_angles(results)} meet the extremes of "
             "pressure on their surface, less the melt's own, on all streamlines; dashed: zones. "
-            "Crosses: where the bound over every orientation is reached, on some at mid-capillary, "
+            "Crosses: where the bound over every orientation is reached, on some at zone 1 or 2, "
             f"where Loc. 1 ends and Loc. 2 begins.{near} The exact range of the places over all "
             f"initial angles is not stored.{left_out}{beside}"
         ),
@@ -91,7 +93,7 @@ def positions_words(results: xr.Dataset) -> Words:
             "Four outlines of the capillary and the gap with a point for every fiber. Mean places "
             f"by streamline: the lowest pressure at Loc. 1 {apart(above)} mm "
             "above the capillary's entrance; at Loc. 2 from y = "
-            f"{apart(mean[1, 'min'])} mm, the exit being at {sized(lips, scene.width)} mm; the "
+            f"{apart(mean[2, 'min'])} mm, the exit being at {sized(lips, scene.width)} mm; the "
             f"highest at Loc. 2 {apart(below)} mm below the exit."
         ),
     )
@@ -150,13 +152,13 @@ def worst_places(results: xr.Dataset, location: int, kind: str) -> Array:
     results : xarray.Dataset
         The results.
     location : int
-        Place of the location: 0 is above the middle of the capillary, 1 from there on.
+        Which location, by its number.
     kind : str
         ``min`` or ``max``.
     """
-    above = results["time"].to_numpy() < results["middle_time"].to_numpy()[:, None]
+    among = locations(stored_path(results), stored_zones(results))[location]
     bound = -results["bound_lowest"] if kind == "min" else results["bound_highest"]
-    here = np.where(above == (location == 0), bound.to_numpy(), -np.inf)
+    here = np.where(among, bound.to_numpy(), -np.inf)
     point = np.argmax(here, axis=1)[:, None]
     xy = [np.take_along_axis(results[name].to_numpy(), point, axis=1)[:, 0] for name in "xy"]
     return np.stack(xy, axis=-1)
@@ -195,7 +197,7 @@ def _key() -> list[Line2D]:
     """Return what marks and lines mean."""
     return [
         key_mark("o", "a fiber's extreme", DOT, 6, edge="white"),
-        key_mark("D", "the same, near a singular corner", DOT, 6, edge="white"),
+        key_mark("D", "the same, near a sharp corner", DOT, 6, edge="white"),
         Line2D([], [], color=VERMILION, linewidth=1.1, label="mean over the initial angles"),
         key_mark("x", "where the bound is reached", INK, 3),
     ]

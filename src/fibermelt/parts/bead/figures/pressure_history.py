@@ -36,7 +36,7 @@ from fibermelt.report.kit.drawing import scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Window
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
+    DIVERGING,
     FULL,
     GREY,
     INK,
@@ -64,7 +64,7 @@ STARTS: dict[Side, float] = {"lowest": 0.0, "highest": -90.0}
 ROOM = (0.05, 0.14)
 """Free parts of the pressure's scale below and above, for the name."""
 
-MARKS = ("o", "v")
+MARKS = {1: "o", 2: "v"}
 """Marks of the extremes at Loc. 1 and Loc. 2."""
 
 AROUND = 78.0
@@ -96,7 +96,7 @@ def _degrees(results: xr.Dataset, side: Side) -> float:
 def _first_lowest(results: xr.Dataset) -> Instant:
     """Return the flow around the fiber of panel a when its pressure is lowest at Loc. 1."""
     row, fiber = center_feature(results).row, _start(results, "lowest")
-    when = results["extreme_time"].isel(streamline=row, initial_angle=fiber, location=0)
+    when = results["extreme_time"].isel(streamline=row, initial_angle=fiber).sel(location=1)
     time = results["time"].to_numpy()[row]
     point = int(np.argmin(np.abs(time - float(when.sel(kind="min")))))
     return read_instant(results, row, fiber, point, study_of(results)["fiber"]["half_length"])
@@ -115,7 +115,8 @@ def history_words(results: xr.Dataset) -> Words:
         for side in STARTS
     }
     low, high = (
-        at[side].sel(kind=SIDES[side][0])["extreme_pressure"].to_numpy() * MPA for side in STARTS
+        at[side].sel(kind=SIDES[side][0], location=[*MARKS])["extreme_pressure"].to_numpy() * MPA
+        for side in STARTS
     )
     beside = against_paper(
         results,
@@ -197,15 +198,15 @@ def _extremes(axes: Axes, results: xr.Dataset, side: Side) -> None:
     """Mark the extremes of the panel's fiber, and write their distance from the melt's own."""
     kind, color = SIDES[side]
     row, fiber = center_feature(results).row, _start(results, side)
-    found = results.isel(streamline=row, initial_angle=fiber).sel(kind=kind)
+    found = results.isel(streamline=row, initial_angle=fiber).sel(kind=kind, location=[*MARKS])
     when = found["extreme_time"].to_numpy()
     end, rise = (MPA * found[name].to_numpy() for name in ("extreme_pressure", "extreme"))
     told = []
-    for k, mark in enumerate(MARKS):
+    for k, (location, mark) in enumerate(MARKS.items()):
         axes.plot([when[k]] * 2, [end[k], end[k] - rise[k]], color=INK, linewidth=0.9, zorder=4)
         axes.plot(when[k], end[k], mark, mfc="white", mec=color, markersize=4.5, zorder=4.2)
         sign = "+" if rise[k] > 0 else ""
-        told.append(f"$\\Delta P$ = {sign}{number(rise[k], 3)} MPa at Loc. {k + 1}")
+        told.append(f"$\\Delta P$ = {sign}{number(rise[k], 3)} MPa at Loc. {location}")
     axes.annotate(
         "\n".join(told),
         (0.0, 0.0),
@@ -225,7 +226,10 @@ def _key() -> list[Line2D | Patch]:
         Line2D([], [], color=SIDES["lowest"][1], linewidth=1.2, label="lowest"),
         Line2D([], [], color=SIDES["highest"][1], linewidth=1.2, label="highest on the fiber"),
         Patch(facecolor=GREY, alpha=0.25, label="to the bound, every orientation"),
-        *[key_mark(mark, f"Loc. {k + 1}", INK, 4.5, face="white") for k, mark in enumerate(MARKS)],
+        *[
+            key_mark(mark, f"Loc. {location}", INK, 4.5, face="white")
+            for location, mark in MARKS.items()
+        ],
         key_mark("o", "zones", INK, 6),
     ]
 
@@ -280,7 +284,7 @@ def _pressure(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> N
     _in_micrometres(axes, results)
     pressure = MPA * instant.pressure
     levels = round_up(float(np.abs(pressure).max())) * LEVELS
-    field = draw_contours(axes, net(results, instant.angle), pressure, levels, ATMOSPHERE)
+    field = draw_contours(axes, net(results, instant.angle), pressure, levels, DIVERGING)
     scale = color_bar(field, bar, r"$p - p_\psi$ [MPa]", upright=True)
     scale.set_ticks([*levels[::2]])
     _finish(axes, results, instant)

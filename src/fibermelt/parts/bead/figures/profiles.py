@@ -98,8 +98,8 @@ def profiles_words(results: xr.Dataset) -> Words:
     beside = against_paper(
         results,
         "The paper's text has fibers on its center streamline depend most on the initial angle, "
-        "and the time between zones 2 and 3 grow from the right edge to the left; here it is "
-        f"{stays} on streamlines {numbers}.",
+        "and the time between zones 2 and 3 grow from the downstream edge to the upstream one; "
+        f"here it is {stays} on streamlines {numbers}.",
     )
     return Words(
         caption=(
@@ -181,7 +181,7 @@ def _head(figure: Figure, results: xr.Dataset, wide: float) -> None:
 
 
 def _limits(results: xr.Dataset, marked: list[Feature]) -> dict[str, tuple[float, float]]:
-    """Return the scales that all columns share; lines near a singular corner do not set them."""
+    """Return the scales that all columns share; lines near a sharp corner do not set them."""
     steady = regular(results)
     rows = [f.row for f in marked if steady[f.row]] or [f.row for f in marked]
     found: dict[str, tuple[float, float]] = {}

@@ -14,7 +14,7 @@ from fibermelt.parts.flow.figures.lines import initial_angles, named, regular
 from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.drawing import on_paper, spread_out
 from fibermelt.report.kit.scene import MPA
-from fibermelt.report.kit.style import BAND, LOW, Array, key_mark
+from fibermelt.report.kit.style import BAND, INK, Array, key_mark
 from fibermelt.report.kit.tables import short
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ __all__ = [
     "spread_limits",
 ]
 
-MEAN, MEDIAN, FIBERS, ISOTROPIC = "#24459c", LOW, "#404040", "#9aa8b5"
-"""The paper's blue line is the mean, its red one the median; neither is a streamline's colour."""
+MEAN, MEDIAN, FIBERS, ISOTROPIC = "#24459c", INK, "#404040", "#9aa8b5"
+"""The paper's blue line is the mean; its red one, the median, is black, as red is a verdict."""
 
 DASHES = (0, (3, 1.5))
 
@@ -52,13 +52,13 @@ def extreme_of(results: xr.Dataset, name: str, location: int, kind: str, last: s
     name : str
         The variable.
     location : int
-        Place of the location: 0 is Loc. 1.
+        Its number: 0 the whole way, 1 the paper's Loc. 1, 2 its Loc. 2.
     kind : str
         ``min`` or ``max``.
     last : str
         Its remaining dimension: ``initial_angle``, ``side`` or ``quantile``.
     """
-    chosen = results[name].isel(location=location).sel(kind=kind)
+    chosen = results[name].sel(location=location, kind=kind)
     values: Array = chosen.transpose("streamline", last).to_numpy()
     return values
 
@@ -69,7 +69,7 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
     axes.set_xlim(number[0] - 0.7, number[-1] + 0.7)
     axes.grid(axis="y", color=BAND, linewidth=0.4)
     axes.set_axisbelow(True)
-    axes.set_xlabel("path" if is_given(results) else "streamline, from the left edge")
+    axes.set_xlabel("path" if is_given(results) else "streamline, from the upstream edge")
     shown = named(results)
     axes.set_xticks(number[[*shown]], [str(number[row]) for row in shown])
     labels = axes.get_xticklabels()
@@ -87,9 +87,9 @@ def by_streamline(axes: Axes, results: xr.Dataset) -> None:
 
 
 def spread_limits(results: xr.Dataset, kind: str) -> tuple[float, float]:
-    """Return a scale from zero to beyond the bounds at both locations [MPa].
+    """Return a scale from zero to beyond the bounds at all locations [MPa].
 
-    Streamlines near a singular corner do not set it: their values have no limit as the mesh is
+    Streamlines near a sharp corner do not set it: their values have no limit as the mesh is
     refined.
     """
     bounds = MPA * results["extreme_bounds"].sel(kind=kind).transpose("streamline", ...).to_numpy()
@@ -113,7 +113,7 @@ def draw_fibers(axes: Axes, results: xr.Dataset, values: Array) -> None:
 
 
 def draw_mean(axes: Axes, results: xr.Dataset, mean: Array, median: Array | None = None) -> None:
-    """Draw mean and median; on streamlines near a singular corner diamonds in place of lines.
+    """Draw mean and median; on streamlines near a sharp corner diamonds in place of lines.
 
     What lies beyond the scale is shown by an arrow at its end, with the number.
     """
@@ -183,7 +183,7 @@ def spread_key(results: xr.Dataset) -> list[Line2D | Patch]:
         Line2D([], [], color=MEAN, linewidth=1.3, label="mean"),
         Line2D([], [], color=MEDIAN, linewidth=1.1, linestyle=DASHES, label="median"),
         key_mark("o", initial_angles(results), FIBERS, 2.5),
-        Patch(facecolor=ISOTROPIC, alpha=0.55, label=f"isotropic, {share}"),
-        Patch(facecolor=BAND, alpha=0.6, label="bounds, every orientation"),
-        key_mark("D", "near a singular corner", MEAN, 3.5, face="white"),
+        Patch(facecolor=ISOTROPIC, alpha=0.55, label=f"random entry, {share}"),
+        Patch(facecolor=BAND, alpha=0.6, label="bounds, every direction"),
+        key_mark("D", "near a sharp corner", MEAN, 3.5, face="white"),
     ]

@@ -50,7 +50,8 @@ def domain_words(results: xr.Dataset) -> Words:
             "answer, the speed of the bed on Γ₄ and on the outlet Γ₅. "
             f"{elements} curved triangles, {unknowns} unknowns. The upstream surface meets the "
             f"bed at x = {contact} mm, also part of the answer; the melt's foremost "
-            f"point lies at x = {heel} mm. Red squares: where the flow is singular, drawn large."
+            f"point lies at x = {heel} mm. Orange squares: sharp "
+            "corners, where the flow is singular, drawn large."
         ),
         alt=(
             "Cross-section of a nozzle that narrows to a capillary over a moving bed. Melt fills "

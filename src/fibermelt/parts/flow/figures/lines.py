@@ -56,7 +56,7 @@ class Feature:
     row : int
         Its place along the dimension ``streamline``.
     number : int
-        Its number, from the left edge of the nozzle.
+        Its number, from the upstream edge of the nozzle.
     color : str
         Its colour.
     """
@@ -101,7 +101,7 @@ def against_paper(results: xr.Dataset, text: str) -> str:
 
 
 def regular(results: xr.Dataset) -> NDArray[np.bool_]:
-    """Return which streamlines pass no singular corner; all of them if every one does."""
+    """Return which streamlines pass no sharp corner; all of them if every one does."""
     found = results["near_singularity"].to_numpy() == 0
     return np.asarray(found if found.any() else ~found)
 
@@ -112,7 +112,7 @@ def numbered(results: xr.Dataset, rows: NDArray[np.bool_]) -> str:
 
 
 def at_corners(results: xr.Dataset, before: str, after: str) -> str:
-    """Return what is told of the streamlines near a singular corner, nothing if there is none."""
+    """Return what is told of the streamlines near a sharp corner, nothing if there is none."""
     near = results["near_singularity"].to_numpy() > 0
     return f" {before} {numbered(results, near)}{after}" if near.any() else ""
 

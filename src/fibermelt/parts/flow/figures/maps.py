@@ -10,13 +10,14 @@ from matplotlib.collections import TriMesh
 from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
+from fibermelt.parts.flow.figures.judged import vapor_above_air
 from fibermelt.report.kit.drawing import draw_bead, draw_field, frame, scale_bar, scene_axes
 from fibermelt.report.kit.plates import plate
 from fibermelt.report.kit.scene import MM, MPA, Scene, Window, by_area, read_scene
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
     DIVERGING,
     FULL,
+    JUDGED,
     SEQUENTIAL,
     Array,
     Words,
@@ -39,8 +40,8 @@ SHARE = 0.98
 the flow is singular and no scale would hold it."""
 
 BELOW = 0.25
-"""The map of the melt's pressure goes this far below the atmosphere's, in parts of how far above:
-what is below is little and matters most."""
+"""The map of the melt's pressure goes at least this far below what it is held against, in parts of
+the inlet's: what is below may be little and matters most."""
 
 DECADES = 3.0
 """Orders of magnitude that the map of the rate of deformation spans."""
@@ -60,7 +61,7 @@ GRADIENTS = (
 def _map(
     axes: Axes, scene: Scene, window: Window, values: Array, norm: Normalize, cmap: str
 ) -> TriMesh:
-    draw_bead(axes, scene, window, fill=False)
+    draw_bead(axes, scene, window, fill=None)
     frame(axes)
     return draw_field(axes, scene, window, values, norm, cmap)
 
@@ -72,10 +73,8 @@ def maps_words(results: xr.Dataset) -> Words:
     return Words(
         caption=(
             "The flow in the whole domain and, larger, near the nozzle's exit: (a) speed, (b) "
-            "scalar rate of deformation on a logarithmic scale, (c) pressure of the melt above the "
-            "atmosphere's, red where the melt itself is below it (mind the two "
-            "halves of the scale). Arrow-shaped ends of a scale: there is more beyond it, at the "
-            "corners without bound."
+            f"scalar rate of deformation on a logarithmic scale, (c) {_held(results)}. "
+            "Arrow-shaped ends of a scale: there is more beyond it, at the corners without bound."
         ),
         alt=(
             f"Three maps. The speed is highest in the capillary, {number(speed.max(), 3)} mm/s, "
@@ -100,7 +99,7 @@ def figure_maps(results: xr.Dataset) -> Figure:
     speed, rate, pressure = _scalars(results)
     top = MM * round_up(1e-3 * float(speed.max()))
     most = round_up(share_within(*by_area(scene, rate, scene.exit), 1.0 - 0.1 * (1.0 - SHARE)))
-    high = _pressure_limit(results)
+    vapor = vapor_above_air(results)
     panels = (
         ("a  speed", "|v| [mm/s]", speed, Normalize(0, top), SEQUENTIAL, "neither"),
         (
@@ -113,10 +112,10 @@ def figure_maps(results: xr.Dataset) -> Figure:
         ),
         (
             "c  pressure of the melt",
-            "p [MPa], atmosphere = 0",
-            pressure,
-            TwoSlopeNorm(0.0, -BELOW * high, high),
-            ATMOSPHERE,
+            "p [MPa], atmosphere = 0" if vapor is None else "p less the vapor pressure [MPa]",
+            pressure - (vapor or 0.0),
+            _pressure_scale(results),
+            SEQUENTIAL if vapor is None else JUDGED,
             "both",
         ),
     )
@@ -134,7 +133,7 @@ def figure_maps(results: xr.Dataset) -> Figure:
         bar = add_axes(figure, left + 3, FOOT - 4, wide - 6, 2)
         scale = color_bar(field, bar, unit, extend=extend)
         if isinstance(norm, TwoSlopeNorm):
-            scale.set_ticks([-BELOW * high, 0.0, 0.5 * high, high])
+            scale.set_ticks([*(float(end) for end in scale.mappable.get_clim()), 0.0])
     return figure
 
 
@@ -146,9 +145,23 @@ def _scalars(results: xr.Dataset) -> tuple[Array, Array, Array]:
     return MM * np.hypot(*velocity.T), rate, MPA * results["node_pressure"].to_numpy()
 
 
-def _pressure_limit(results: xr.Dataset) -> float:
-    """Return the end of the pressure's scale [MPa]: the inlet's pressure, rounded up."""
-    return round_up(MPA * float(results["inlet_pressure"]))
+def _held(results: xr.Dataset) -> str:
+    """Return what the map of the pressure shows, in words."""
+    if vapor_above_air(results) is None:
+        return "pressure of the melt above the atmosphere's"
+    return (
+        "pressure of the melt less the vapor pressure of its moisture, red where the melt itself "
+        "is below it (mind the two halves of the scale)"
+    )
+
+
+def _pressure_scale(results: xr.Dataset) -> Normalize:
+    """Return the scale of the pressure [MPa], about the vapor's where the study has moisture."""
+    inlet, vapor = MPA * float(results["inlet_pressure"]), vapor_above_air(results)
+    least = BELOW * inlet
+    if vapor is None:
+        return Normalize(-round_up(least), round_up(inlet))
+    return TwoSlopeNorm(0.0, -round_up(max(least, vapor)), round_up(max(least, inlet - vapor)))
 
 
 def gradients_words(results: xr.Dataset) -> Words:

@@ -61,20 +61,20 @@ def streamlines_words(results: xr.Dataset) -> Words:
     zones = "; ".join(f"{k + 1}, {name}" for k, name in enumerate(ZONES))
     lines = f"{count} streamline{'' if count == 1 else 's'}"
     near = at_corners(
-        results, "Near a singular corner, and so dependent on the mesh: streamlines", "."
+        results, "Near a sharp corner, and so dependent on the mesh: streamlines", "."
     )
     return Words(
         caption=(
             f"Fig. 2b of the paper: {lines} of the same share of the flux, numbered "
-            f"from the left edge; {marked} are marked, in the same colours in every figure. "
+            f"from the upstream edge; {marked} are marked, in the same colours in every figure. "
             f"Dashed: zones ({zones}). Points: where the fibers of all initial angles meet their "
-            "lowest surface pressure against the melt around them, above the middle of the "
-            f"capillary (Loc. 1) and below it (Loc. 2).{near}"
+            "lowest surface pressure against the melt around them, before the capillary "
+            f"(Loc. 1) and from the exit to the end of the swell (Loc. 2).{near}"
         ),
         alt=(
             "Streamlines run down the nozzle, crowd into the capillary, turn in the gap and leave "
-            "with the bed; those from the left edge come to lie at the bottom of the bead, those "
-            f"from the right at its top. The melt takes {number(end.min(), 3)} s on the fastest "
+            "with the bed; those from the upstream edge come to lie at the bottom of the bead, the "
+            f"last at its top. The melt takes {number(end.min(), 3)} s on the fastest "
             f"line and {number(end.max(), 3)} s on the slowest."
         ),
     )
@@ -119,7 +119,7 @@ def _key(results: xr.Dataset) -> list[Line2D]:
     lines += [
         Line2D([], [], color=INK, linewidth=0.9, linestyle=ZONE_DASHES, label=f"zones: {zones}")
     ]
-    where = ("above the middle of the capillary", "below it")
+    where = ("before the capillary", "in the swell")
     return lines + [
         key_mark(mark, f"Loc. {k + 1}: lowest pressure on a fiber {where[k]}", color, 4)
         for k, (mark, color) in enumerate(PLACES)
@@ -150,7 +150,8 @@ def draw_zones(axes: Axes, results: xr.Dataset) -> None:
 
 def _places(axes: Axes, results: xr.Dataset) -> None:
     """Mark where each fiber meets its lowest pressure, at Loc. 1 and Loc. 2."""
-    x, y = (MM * results[f"extreme_{name}"].sel(kind="min").to_numpy() for name in "xy")
+    at = {"kind": "min", "location": [*range(1, len(PLACES) + 1)]}
+    x, y = (MM * results[f"extreme_{name}"].sel(at).to_numpy() for name in "xy")
     for k, (mark, color) in enumerate(PLACES):
         axes.plot(
             x[..., k].ravel(),

@@ -6,16 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from fibermelt.parts.flow.figures.carpet import Carpet, weave
-from fibermelt.report.kit.drawing import draw_bead, main_scene, mark_exit, paint, scene_axes
+from fibermelt.parts.flow.figures.carpet import weave
+from fibermelt.parts.flow.figures.judged import held_against, key_of_unjudged
+from fibermelt.parts.flow.figures.lines import regular
+from fibermelt.report.kit.drawing import draw_bead, main_scene, mark_exit, scene_axes
 from fibermelt.report.kit.plates import plate
-from fibermelt.report.kit.scene import MM, Scene, Window, read_scene
+from fibermelt.report.kit.scene import MM, read_scene
 from fibermelt.report.kit.style import (
-    ATMOSPHERE,
     BAND,
     BLUE,
     GREEN,
@@ -24,29 +23,32 @@ from fibermelt.report.kit.style import (
     LOW,
     ORANGE,
     PINK,
+    UNJUDGED,
     Array,
     Words,
     add_axes,
-    color_bar,
     letter,
-    round_up,
 )
 from fibermelt.report.kit.tables import number, sized
 from fibermelt.units import MPA, PERCENT
+from fibermelt.voids.constants import ATMOSPHERE
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_voids"]
 
-CHARTS, SCALE = 68.0, 19.0
+CHARTS, SCALE = 68.0, 23.0
 """Room for the profile below the scene, and for the colour scale over the exit [mm]."""
 
 MEDIAN = "isotropic 50 %"
 
+PAINTED = ("bounds", MEDIAN)
+"""Bases of the two maps."""
+
 CURVES = (
     ("melt", "melt itself", BLUE),
-    (MEDIAN, "median fiber, isotropic start", ORANGE),
+    (MEDIAN, "median of randomly entering fibers", ORANGE),
     ("bounds", "any direction", LOW),
     ("spheroid", "spheroid in space, any direction", PINK),
     ("oriented tips", "tips of spheroids as they lie, mean", GREEN),
@@ -63,7 +65,7 @@ def voids_words(results: xr.Dataset) -> Words:
     worst = _of_selected(results, "void_layer_mean_pressure", "regular", "bounds")
     height = MM * results["void_layer"].to_numpy()
     if np.all(np.isnan(worst)):
-        told = "Every streamline passes a singular corner: no profile is told."
+        told = "Every streamline passes a sharp corner: no profile is told."
     else:
         deepest = int(np.nanargmin(worst))
         told = (
@@ -72,16 +74,17 @@ def voids_words(results: xr.Dataset) -> Words:
             "the bed."
         )
     count = int(np.count_nonzero(results["near_singularity"].to_numpy()))
-    without = f"thick without the {count} streamlines that pass close by a singular corner, thin "
+    without = f"thick without the {count} streamlines that pass close by a sharp corner, thin "
     thick, out = (f"; {without}with them", ", without those streamlines") if count else ("", "")
     return Words(
         caption=(
             f"Where voids can start at {moisture:.3g} % moisture in {name} at {celsius:.0f} °C, "
-            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest local pressure on a "
-            "fiber less vapor pressure: red where a bubble can grow, a line where the two are "
-            "equal. (c) Lowest pressure that each streamline meets, mean by flux over layers of "
-            f"the finished bead{thick}. (d) Moisture below which no bubble can grow in a "
-            f"layer{out}. Pressures are absolute."
+            f"whose vapor pressure is {number(vapor, 3)} MPa. (a, b) Lowest pressure on a fiber "
+            "less vapor pressure, in the colours of the first picture: red where a bubble can "
+            "grow, a line where the two are equal; hatched, what is left out. "
+            "(c) Lowest pressure that each streamline meets, mean by flux over layers of "
+            f"the finished bead{thick}. (d) Growth exponent: the logarithm of how much wider a "
+            f"nucleus becomes while moisture lasts, by layer{out}. Pressures are absolute."
         ),
         alt=(
             "Two maps of the bead and two profiles over its height. The pressure on fibers is "
@@ -104,37 +107,23 @@ def figure_voids(results: xr.Dataset) -> Figure:
     figure, axes, room = main_scene(scene, extra=SCALE, below=CHARTS)
     gap = scene_axes(figure, room.left, room.bottom, room.width, scene.exit)
     carpet = weave(results)
-    limit = _limit(results)
-    norm = Normalize(-limit, limit)
-    for panel, window, basis in ((axes, scene.whole, "bounds"), (gap, scene.exit, MEDIAN)):
-        margin = MPA * _of(results, "void_margin_along", basis)
-        _map(panel, scene, window, carpet, margin, norm)
+    left_out = results["near_singularity"].to_numpy() > 0
+    vapor = float(results["void_vapor_pressure"]) - ATMOSPHERE
+    local = [MPA * (vapor + _of(results, "void_margin_along", basis)) for basis in PAINTED]
+    against = held_against(results, local[0][regular(results)], "lowest pressure on a fiber")
+    for panel, window, own in zip((axes, gap), (scene.whole, scene.exit), local, strict=True):
+        draw_bead(panel, scene, window, fill=UNJUDGED)
+        if carpet is not None:
+            against.paint(panel, carpet, own, left_out)
     mark_exit(axes, gap, scene)
     letter(axes, "a  worst direction of a fiber", inside=True)
-    letter(gap, "b  half of the fibers from an isotropic start see less (dashed frame)")
+    letter(gap, "b  half of randomly entering fibers see less (dashed frame)")
     bar = add_axes(figure, room.left, room.bottom + room.fit(scene.exit) + 17, room.width, 2.5)
-    color_bar(
-        ScalarMappable(norm, ATMOSPHERE),
-        bar,
-        "lowest local pressure less vapor pressure [MPa]",
-        extend="both",
-    )
+    against.bar(bar)
+    key_of_unjudged(bar, results)
     _profile(add_axes(figure, 14, 10, 96, CHARTS - 27), results)
-    _moisture(add_axes(figure, 128, 10, 59, CHARTS - 27), results)
+    _exponents(add_axes(figure, 128, 10, 59, CHARTS - 27), results)
     return figure
-
-
-def _map(
-    axes: Axes, scene: Scene, window: Window, carpet: Carpet | None, margin: Array, norm: Normalize
-) -> None:
-    """Paint a margin [MPa] between the streamlines, with a line where it vanishes."""
-    draw_bead(axes, scene, window)
-    if carpet is None:
-        return
-    values = carpet.values(margin)
-    paint(axes, carpet.triangles, values, norm, ATMOSPHERE)
-    if values.min() < 0.0 < values.max():
-        axes.tricontour(carpet.triangles, values, levels=[0.0], colors=INK, linewidths=0.7)
 
 
 def _of(results: xr.Dataset, name: str, basis: str) -> Array:
@@ -146,13 +135,6 @@ def _of(results: xr.Dataset, name: str, basis: str) -> Array:
 def _selected(results: xr.Dataset, name: str, selection: str) -> xr.DataArray:
     """Return a variable of the profile with or without the singular streamlines."""
     return results[name].sel(void_selection=selection)
-
-
-def _limit(results: xr.Dataset) -> float:
-    """Return the end of the colour scale [MPa]: the worst margin without singular streamlines."""
-    worst = MPA * _of(results, "void_margin", "bounds")
-    regular = results["near_singularity"].to_numpy() == 0
-    return round_up(float(np.abs(worst[regular] if regular.any() else worst).max()))
 
 
 def _edges(results: xr.Dataset) -> Array:
@@ -210,18 +192,17 @@ def _steps(
     axes.plot(np.repeat(layers, 2), np.repeat(edges, 2)[1:-1], color=color, lw=width, label=label)
 
 
-def _moisture(axes: Axes, results: xr.Dataset) -> None:
-    """Draw the critical moisture by layer, as bars between the mildest and the worst."""
+def _exponents(axes: Axes, results: xr.Dataset) -> None:
+    """Draw the growth exponents by layer, means by flux: the melt's own, and on fibers."""
     edges = _edges(results)
-    most = float(results["void_saturation_moisture"])
-    for basis, name, color in CURVES[:3]:
-        limit = _of_selected(results, "void_layer_moisture", "regular", basis)
-        there = ~np.isnan(_of_selected(results, "void_layer_mean_pressure", "regular", basis))
-        capped = np.where(there & np.isnan(limit), most, limit)
-        _steps(axes, PERCENT * capped, edges, color, 1.5, name)
+    for basis, name, color in (CURVES[0], CURVES[2]):
+        layers = _of_selected(results, "void_layer_exponent", "regular", basis)
+        _steps(axes, layers, edges, color, 1.5, name)
+    fibers = _selected(results, "void_layer_fiber_exponent", "regular").to_numpy()
+    _steps(axes, fibers, edges, INK, 1.5, "fibers")
     axes.set_ylim(edges[0], edges[-1])
     axes.set_xlim(left=-0.02 * axes.get_xlim()[1])
     axes.axvline(0.0, color=BAND, linewidth=0.6, zorder=0.5)
-    axes.set_xlabel("critical moisture [%]")
+    axes.set_xlabel("growth exponent, mean by flux")
     axes.tick_params(labelleft=False)
-    letter(axes, "d  no void below; 0: no drying helps")
+    letter(axes, "d  how far a nucleus grows")

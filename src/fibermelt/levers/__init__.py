@@ -1,0 +1,1 @@
+"""What helps against voids: each lever of a printer moved by a step, run, and put in order."""

@@ -1,0 +1,168 @@
+"""What helps a finished run against voids, how much each lever does, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.engine.finished import read_finished
+from fibermelt.engine.parameters import declarations
+from fibermelt.engine.results import study_of
+from fibermelt.errors import StoreError
+from fibermelt.levers.cases import Case, compare
+from fibermelt.levers.recommend import drying, proposals, ratio
+from fibermelt.levers.steps import Step, steps_of
+from fibermelt.levers.uncertainty import doubts, uncertainty_of
+from fibermelt.study.config import Config
+from fibermelt.study.loading import resolve
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from fibermelt.engine.progress import Observer
+
+__all__ = ["advise"]
+
+DIGITS = 4
+"""Significant digits of a setting: a printer has no more."""
+
+
+def advise(
+    directory: Path, *, workers: int | None = None, observer: Observer | None = None
+) -> dict[str, Any]:
+    """Return what each lever does to the voids of a finished run, and what to set.
+
+    The flows beside it are solved, not scaled, from the run's own, on all cores; they stay in
+    ``DIR/levers``, so that asking again takes no time.
+
+    Parameters
+    ----------
+    directory : Path
+        Its results folder.
+    workers : int, optional
+        As in `fibermelt.sweeps.runner.run_sweep`.
+    observer : Observer, optional
+        Who is told how it goes.
+
+    Returns
+    -------
+    dict
+        ``"levers"``, a list, the one first that leaves least of what fibers add: ``"lever"``, a
+        name; ``"key"``, ``"from"`` and ``"to"``, lists where several keys go together, in SI;
+        ``"moved"``, the same in words; ``"fibers_ratio"`` and ``"melt_ratio"``, what is left of
+        either severity, None where there is none or no answer, with ``"reason"``;
+        ``"dry_ratio"``, what is left of the fibers' once a melt that boils is dried;
+        ``"void_fraction"``; ``"costs"``.
+        ``"recommendation"``: ``"settings"``, keys and values in SI, empty where nothing helps;
+        ``"written"``, as a study writes them; the ratios and the void fraction that these came to
+        when they were run, and ``"verified"``, that they were.
+        ``"uncertainty"``: ``"source"``, ``"factor"`` on what fibers add, ``"basis"``, the largest
+        first.
+
+    Raises
+    ------
+    StoreError
+        If the folder holds no finished run with voids.
+    """
+    finished = read_finished(directory)
+    voids = finished.summary.get("voids")
+    if voids is None:
+        msg = f'{directory}: the run has no voids: name "voids" in study.parts and run it again'
+        raise StoreError(msg)
+    study = study_of(finished.results)
+    moisture = float(voids["moisture"])
+    values = {**resolve(study).values(), "voids.moisture": moisture}
+    steps, doubted = steps_of(values), doubts(values, moisture)
+    dried = drying(voids["rest"])
+    solved: dict[tuple[tuple[str, float], ...], Case] = {}
+
+    def solve(*changes: Mapping[str, float]) -> None:
+        """Solve changed studies, those before among them: the folder's sweep is of all."""
+        asked = list(dict.fromkeys([*solved, *(tuple(one.items()) for one in changes)]))
+        several = [dict(one) for one in asked if one]
+        cases = compare(directory, study, several, workers=workers, observer=observer)
+        solved.update(zip([(), *filter(None, asked)], cases, strict=True))
+
+    def case_of(*changes: Mapping[str, float]) -> Case:
+        return solved[tuple({k: v for one in changes for k, v in one.items()}.items())]
+
+    moved = [step.settings for step in steps]
+    others = [change for several in doubted.values() for change in several]
+    solve(*moved, dried, *(dried | dict(one) for one in moved), *others)
+    base, once_dry = case_of(), case_of(dried)
+    weighed = [(step, case_of(dried, step.settings)) for step in steps]
+    recommended: dict[str, float] = {}
+    for settings in proposals(weighed, once_dry, dried, values):
+        solve(settings)
+        if case_of(settings).fibers < once_dry.fibers or settings == dried:
+            recommended = settings
+            break
+    outcome = case_of(recommended)
+    levers = [
+        {
+            **_lever(step, case_of(step.settings), base, values),
+            "dry_ratio": ratio(case.fibers, once_dry.fibers) if dried else None,
+        }
+        for step, case in weighed
+    ]
+    return {
+        "levers": sorted(levers, key=_left),
+        "recommendation": {
+            "settings": recommended,
+            "written": {key: _written(key, value) for key, value in recommended.items()},
+            **_ratios(outcome, base),
+            "verified": bool(recommended),
+        },
+        "uncertainty": uncertainty_of(
+            voids,
+            values,
+            base,
+            {name: [case_of(one) for one in several] for name, several in doubted.items()},
+        ),
+    }
+
+
+def _left(lever: Mapping[str, Any]) -> float:
+    left = lever["fibers_ratio"]
+    return float("inf") if left is None else float(left)
+
+
+def _lever(step: Step, case: Case, base: Case, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one lever as it is told."""
+    starts = [float(values[key]) for key in step.settings]
+    ends = list(step.settings.values())
+    several = len(ends) > 1
+    # Keys that go together all go by one factor.
+    by = (
+        f"{100.0 * (ends[0] / starts[0] - 1.0):+.3g} %".replace("-", "−")
+        if several
+        else " to ".join(_written(key, one[0]) for key in step.settings for one in (starts, ends))
+    )
+    return {
+        "lever": step.lever,
+        "key": ", ".join(step.settings),
+        "from": starts if several else starts[0],
+        "to": ends if several else ends[0],
+        "moved": f"{step.lever} {by}",
+        **_ratios(case, base),
+        "costs": step.costs,
+        "reason": case.reason,
+    }
+
+
+def _ratios(case: Case, base: Case) -> dict[str, float | None]:
+    """Return what is left of either severity, and the void fraction."""
+    known = case.void_fraction == case.void_fraction
+    return {
+        "fibers_ratio": ratio(case.fibers, base.fibers),
+        "melt_ratio": ratio(case.melt, base.melt),
+        "void_fraction": case.void_fraction if known else None,
+    }
+
+
+def _written(key: str, value: float) -> str:
+    """Return a setting as a study writes it."""
+    return _KNOWN[key].text(value, DIGITS)
+
+
+_KNOWN = {item.key: item for item in declarations(Config)}

@@ -1,0 +1,91 @@
+"""A recommendation: one complete setting, made of the steps that help and cost no output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from decimal import ROUND_DOWN, Context
+from math import isnan
+from typing import TYPE_CHECKING, Any
+
+from fibermelt.levers.steps import COSTS_NOTHING
+
+if TYPE_CHECKING:
+    from fibermelt.levers.cases import Case
+    from fibermelt.levers.steps import Step
+
+__all__ = ["HELPS", "drying", "proposals", "ratio"]
+
+HELPS = 0.99
+"""Share of the severity that must be left at most for a step to count as one that helps: what is
+nearer to one lies within the error of the flow."""
+
+BELOW_BOILING = 0.5
+"""Part of the boiling moisture that a melt is dried to: half leaves room for what a dryer and an
+isotherm are off."""
+
+MOISTURE = "voids.moisture"
+
+
+def ratio(case: float, base: float) -> float | None:
+    """Return what is left of a severity; None where there is none to begin with, or no answer."""
+    return case / base if base > 0.0 and not isnan(case) else None
+
+
+def drying(rest: Mapping[str, Any]) -> dict[str, float]:
+    """Return the moisture that a melt which boils at rest has to be dried to; else nothing.
+
+    Parameters
+    ----------
+    rest : mapping
+        The melt at rest: ``"boils"`` and ``"boiling_moisture"``.
+    """
+    if not rest["boils"] or rest["boiling_moisture"] is None:
+        return {}
+    limit = BELOW_BOILING * float(rest["boiling_moisture"])
+    return {MOISTURE: float(Context(prec=2, rounding=ROUND_DOWN).create_decimal_from_float(limit))}
+
+
+def proposals(
+    weighed: Sequence[tuple[Step, Case]],
+    base: Case,
+    dried: Mapping[str, float],
+    values: Mapping[str, Any],
+) -> list[dict[str, float]]:
+    """Return the settings to try as a recommendation, the boldest first.
+
+    A melt that boils is dried; besides, each lever that costs neither output nor another material
+    is moved the way that leaves clearly less of what the fibers add: all of them, then those that
+    were seen to help, then the best of these, then none.
+
+    Parameters
+    ----------
+    weighed : sequence of (Step, Case)
+        Each step that was run, and what it came to, of the dried melt.
+    base : Case
+        The run itself, of the dried melt.
+    dried : mapping
+        As `drying` gives it.
+    values : mapping
+        The resolved study.
+    """
+    seen: list[tuple[float, Mapping[str, float]]] = []
+    turned: list[tuple[float, Mapping[str, float]]] = []
+    for step, case in weighed:
+        left = ratio(case.fibers, base.fibers)
+        if left is None or step.costs != COSTS_NOTHING or (dried and MOISTURE in step.settings):
+            continue
+        if left < HELPS:
+            seen.append((left, step.settings))
+        elif left > 1.0 / HELPS:
+            turned.append((1.0 / left, step.mirrored(values)))
+    tried = [[*seen, *turned], seen, sorted(seen, key=lambda one: one[0])[:1], []]
+    found = [dict(dried) | _together(several) for several in tried]
+    return [one for k, one in enumerate(found) if one and one not in found[:k]]
+
+
+def _together(several: Sequence[tuple[float, Mapping[str, float]]]) -> dict[str, float]:
+    """Return the settings of several steps, the strongest first; of one key the strongest."""
+    found: dict[str, float] = {}
+    for _, settings in sorted(several, key=lambda one: one[0]):
+        found |= {key: value for key, value in settings.items() if key not in found}
+    return found
