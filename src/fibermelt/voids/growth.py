@@ -201,10 +201,9 @@ def viscous_resistance(
     that turn level it is within 0.3 %. The derivative is in closed form.
     """
     e, x_S, gamma = np.broadcast_arrays(
-        *(
-            real_array(name, one)
-            for name, one in (("rate", rate), ("squeezed", squeezed), ("flow_rate", flow_rate))
-        )
+        checked_range("rate", rate, (-np.inf, np.inf), "1/s"),
+        checked_range("squeezed", squeezed, (0.0, 1.0)),
+        checked_range("flow_rate", flow_rate, (0.0, np.inf), "1/s"),
     )
     g = STRETCH * np.abs(e)
     squared = gamma * gamma
