@@ -87,7 +87,7 @@ FULL = 0.99
 """Largest share of gas in bubble and cell: a melt that is under tension all over has no other end,
 it tears."""
 
-BLOCK = 2048
+BLOCK = 4096
 """Nuclei that are followed at once: what they need stays in a core's cache."""
 
 GRADED = 3.0
