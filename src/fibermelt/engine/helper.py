@@ -22,8 +22,8 @@ from fibermelt.engine.stages import Say
 __all__ = ["Helper", "HelperLostError", "helped"]
 
 
-def _ignore(line: str) -> None:
-    """Ignore a line of progress."""
+def _silent(line: str) -> None:
+    """Take no note of a line."""
 
 
 class HelperLostError(Exception):
@@ -42,7 +42,7 @@ class Helper:
             env={**os.environ, "OMP_NUM_THREADS": "1"},
         )
 
-    def call(self, address: str, *arguments: object, say: Say = _ignore) -> Any:
+    def call(self, address: str, *arguments: object, say: Say = _silent) -> Any:
         """Have a function called there, and return what it returns.
 
         Parameters

@@ -58,7 +58,7 @@ def to_bytes(dataset: xr.Dataset) -> bytes:
         scales = {}
         for number, (dimension, size) in enumerate(dataset.sizes.items()):
             if dimension in variables:
-                scale, label = _write(file, str(dimension), variables[dimension]), str(dimension)
+                scale, label = _write(file, str(dimension), variables[dimension]), dimension
             else:
                 scale, label = file.create_dataset(dimension, (size,), ">f4"), f"{BARE}{size:10d}"
             scale.make_scale(label)
