@@ -116,7 +116,7 @@ QUANTITIES = declared(
     Q("void_radius", "streamline initial_angle void_station", "m",
       "radius of a bubble at the tip of a fiber", shown_in="µm"),
     Q("void_radius_error", "streamline initial_angle void_station", "1",
-      "estimated error of its logarithm, by the steps in time", relative=True),
+      "what the last halving of its steps in time changed of its logarithm"),
     Q("void_radius_rest", "streamline void_station", "m",
       "radius of the same nucleus without a fiber, at the melt's own pressure", shown_in="µm"),
     Q("void_radius_time", "streamline initial_angle void_step", "s", "times of a nucleus"),
