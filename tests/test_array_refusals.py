@@ -5,6 +5,7 @@ The last test keeps the list complete: a parameter that takes an array must be i
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -43,6 +44,9 @@ FREE = voids.FreeVolume(
 MELT = voids.VolatileMelt("melt", 1050.0, (400.0, 600.0), isotherm=HENRY)
 COLD = np.array([298.15])
 """What `FREE` is for."""
+THICK = fm.Newtonian(817.0)
+AROUND = voids.Surroundings(TIMES, np.array([1e5, 1e5, 1e5]), 817.0)
+BUBBLE = voids.BubbleMelt(2e5, 2e-6, 1e-10, 0.02, 503.15)
 HALF, PASCAL = np.array([0.5]), np.array([1e5])
 LITTLE = np.array([1e-4])
 UNIFORM = distribution.isotropic_distribution()
@@ -107,6 +111,13 @@ TIMED: dict[str, Case] = {
         lambda L, t: fokker_planck.follow_distribution(t, L, 0.9, 1.0, degree=4)
     ),
     "assess time": (lambda t: voids.assess(t, TIMES, 0.0), TIMES),
+    "growth_exponent time": (lambda t: voids.growth_exponent(t, TIMES, 1.0, TIMES), TIMES),
+    "growth_exponent until": (
+        lambda end: voids.growth_exponent(TIMES, TIMES, 1.0, TIMES, end),
+        np.array(0.8),
+    ),
+    "grow stations": (lambda t: voids.grow(AROUND, BUBBLE, 1e-6, 1e-13, t), TIMES[1:]),
+    "Surroundings time": (lambda t: replace(AROUND, time=t).arrays(), TIMES),
     "ResidenceCondition.margin available": (
         lambda t: voids.ResidenceCondition(1e-10).margin(1e-6, t),
         ONE,
@@ -268,6 +279,33 @@ PLAIN: dict[str, Case] = {
         AXIS,
     ),
     "assess lowest_pressure": (lambda p: voids.assess(TIMES, p, 0.0), TIMES),
+    "growth_exponent pressure": (
+        lambda p: voids.growth_exponent(TIMES, p, 1.0, TIMES),
+        TIMES,
+    ),
+    "growth_exponent vapor_pressure": (
+        lambda p: voids.growth_exponent(TIMES, TIMES, p, TIMES),
+        np.array(1.0),
+    ),
+    "growth_exponent viscosity": (
+        lambda eta: voids.growth_exponent(TIMES, TIMES, 1.0, eta),
+        TIMES,
+    ),
+    "grow radius": (lambda r: voids.grow(AROUND, BUBBLE, r, 1e-13, [0.9]), 1e-6 * ONE),
+    "grow cell_volume": (lambda v: voids.grow(AROUND, BUBBLE, 1e-6, v, [0.9]), 1e-13 * ONE),
+    **{
+        f"Surroundings {name}": (
+            lambda x, name=name: replace(AROUND, **{name: x}).arrays(),
+            TIMES,
+        )
+        for name in ("pressure", "viscosity", "flow_rate", "fiber_pressure")
+    },
+    "viscous_resistance rate": (lambda e: voids.viscous_resistance(e, 0.1, THICK), ONE),
+    "viscous_resistance squeezed": (lambda x: voids.viscous_resistance(1.0, x, THICK), HALF),
+    "viscous_resistance flow_rate": (
+        lambda rate: voids.viscous_resistance(1.0, 0.1, THICK, rate),
+        ONE,
+    ),
     "assess vapor_pressure": (lambda p: voids.assess(TIMES, TIMES, p), np.array(1.0)),
     "critical_moisture pressure": (lambda p: voids.critical_moisture(HENRY, p, HOT), PASCAL),
     "critical_moisture temperature": (lambda T: voids.critical_moisture(HENRY, 1e5, T), HOT),

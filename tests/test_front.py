@@ -85,7 +85,7 @@ def test_a_run_into_no_folder_leaves_none(
 def test_results_say_what_they_are(results: xr.Dataset) -> None:
     told = repr(results.fibermelt)
     assert told.startswith("fibermelt study coarse\nbead height     3.000 mm\n")
-    assert "Does the melt boil at rest?" in results.fibermelt._repr_html_()
+    assert "Can it void?" in results.fibermelt._repr_html_()
     assert repr(xr.Dataset().fibermelt) == "no results of fibermelt"
     with pytest.raises(fm.ConfigError, match="is of whole results, and these lack some"):
         _ = results.drop_vars("extreme").fibermelt.summary

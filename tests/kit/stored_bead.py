@@ -87,7 +87,7 @@ def stored_summary(results: xr.Dataset, *, claims: bool = True) -> dict[str, Any
 
 
 def store(folder: Path, *, drawn: bool = True) -> Path:
-    """Make a folder that holds a finished run, with or without its figures, and return it."""
+    """Make a folder that holds a finished run, with its figures or an empty one, and return it."""
     results = stored_results()
 
     def write(into: Path) -> None:
@@ -96,6 +96,8 @@ def store(folder: Path, *, drawn: bool = True) -> Path:
         (into / "figures").mkdir()
         if drawn:
             draw_figures(results, into / "figures")
+        else:
+            (into / "figures/overview.svg").write_text("<svg/>")
 
     publish(Store.open(folder).directory, "key", write)
     return folder

@@ -66,7 +66,7 @@ def test_stages_come_after_their_inputs():
         ("flow.gap", BELOW_FLOW | {"flow"}),
         ("streamlines.count", BELOW_FLOW),
         ("fiber.aspect_ratio", OF_THE_FIBER),
-        ("interaction.volume_fraction", {"content", "orientation", "claims"}),
+        ("interaction.volume_fraction", {"content", "orientation", "voids", "claims"}),
         ("interaction.model", {"orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
         ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "claims"}),

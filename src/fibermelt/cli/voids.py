@@ -49,7 +49,7 @@ def voids(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell where the bead of a finished run can void, and what helps most.
+    """Tell where a finished bead can void, and what helps.
 
     What helps is computed the first time it is asked for, in about a minute, from flows beside the
     run's own, which stay in DIR/levers; the run's summary and page then say it too. At another

@@ -87,7 +87,7 @@ FULL = 0.99
 """Largest share of gas in bubble and cell: a melt that is under tension all over has no other end,
 it tears."""
 
-BLOCK = 2048
+BLOCK = 4096
 """Nuclei that are followed at once: what they need stays in a core's cache."""
 
 GRADED = 3.0
@@ -201,10 +201,9 @@ def viscous_resistance(
     that turn level it is within 0.3 %. The derivative is in closed form.
     """
     e, x_S, gamma = np.broadcast_arrays(
-        *(
-            real_array(name, one)
-            for name, one in (("rate", rate), ("squeezed", squeezed), ("flow_rate", flow_rate))
-        )
+        checked_range("rate", rate, (-np.inf, np.inf), "1/s"),
+        checked_range("squeezed", squeezed, (0.0, 1.0)),
+        checked_range("flow_rate", flow_rate, (0.0, np.inf), "1/s"),
     )
     g = STRETCH * np.abs(e)
     squared = gamma * gamma

@@ -116,7 +116,7 @@ QUANTITIES = declared(
     Q("void_radius", "streamline initial_angle void_station", "m",
       "radius of a bubble at the tip of a fiber", shown_in="µm"),
     Q("void_radius_error", "streamline initial_angle void_station", "1",
-      "estimated error of its logarithm, by the steps in time", relative=True),
+      "what the last halving of its steps in time changed of its logarithm"),
     Q("void_radius_rest", "streamline void_station", "m",
       "radius of the same nucleus without a fiber, at the melt's own pressure", shown_in="µm"),
     Q("void_radius_time", "streamline initial_angle void_step", "s", "times of a nucleus"),
@@ -175,11 +175,11 @@ QUANTITIES = declared(
     Q("void_fraction_tips", "", "1", "what of it fibers add at their tips",
       title="Void content, added by fibers", shown_in="%", response=True),
     Q("severity_melt", "", "1",
-      "growth exponent of the melt's own pressure, mean by flux over the streamlines but singular "
-      "ones", title="Severity, melt alone", response=True),
+      "growth exponent of the melt's own pressure, mean by flux over the streamlines that pass "
+      "no sharp corner", title="Severity, melt alone", response=True),
     Q("severity_fibers", "", "1",
-      "what fibers add to it: growth exponent on a fiber less that of the melt's own pressure, "
-      "mean over the initial angles and by flux over the streamlines but singular ones",
+      "what fibers add: growth exponent on a fiber less that of the melt's own pressure, mean over "
+      "the initial angles and by flux over the streamlines that pass no sharp corner",
       title="Severity, added by fibers", response=True),
     *(Q(f"severity_{of}_error", "", "1",
         "by how much every second point of the streamlines would have it otherwise")

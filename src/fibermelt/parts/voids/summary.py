@@ -237,7 +237,7 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
     worst = worst_line(voids)
     if worst is None:
         word = "streamline" if voids["profile"] else "path"
-        lines.append(f"lowest local    not told: every {word} passes a singular corner")
+        lines.append(f"lowest local    not told: every {word} passes a sharp corner")
     else:
         lines += _worst(voids, worst)
     lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]

@@ -193,14 +193,22 @@ def window_words(collected: xr.Dataset) -> Words:
     table, window = _window(collected)
     advice = window_advice(table)
     names = " and ".join(one.title[0].lower() + one.title[1:] for one in window.measures)
-    meanings = "; ".join(one.meaning for one in window.measures)
+    meanings = "; ".join(
+        f"({letter_}) {one.meaning}"
+        for letter_, one in zip("ab", window.measures, strict=False)
+        if one.meaning
+    )
+    dotted = (
+        " Dotted: below its error, so not told from zero."
+        if any(_none(one).any() for one in window.measures)
+        else ""
+    )
     missing = f" No answer: {table.missing}." if table.missing else ""
     return Words(
         caption=(
             f"Process window: {names} over {window.across.title} and {window.up.title}; "
             f"{meanings}. Contours between the cases are linear, and no closer than twice the "
-            "largest numerical error; dotted: below that error, so not told from zero. Beside each "
-            f"case stands what was computed there.{missing} {advice}"
+            f"largest numerical error.{dotted}{missing} {advice}"
         ).rstrip(),
         alt=" ".join(
             [

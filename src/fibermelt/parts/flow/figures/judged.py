@@ -16,7 +16,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from matplotlib.patches import Patch, PathPatch
-from matplotlib.tri import Triangulation
+from matplotlib.tri import TriAnalyzer, Triangulation
 from numpy.typing import NDArray
 
 from fibermelt.parts.flow.figures.carpet import Carpet
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Against", "colors_said", "held_against", "key_of_unjudged", "vapor_above_air"]
+
+FLAT = 0.01
+"""Radius of the circle within a triangle over that around it, below which the triangle is flat."""
 
 HALF = 0.5
 """Of what is woven between 1 on streamlines left out and 0 on the others: half of the way."""
@@ -90,17 +93,27 @@ class Against:
         values = carpet.values(own) - self.zero
         share = carpet.values(np.repeat(left_out[:, None], own.shape[1], axis=1).astype(float))
         whole = carpet.triangles
-        hidden = (share[whole.triangles] > HALF).all(axis=1)
+        # Flat triangles between points of one line fold over one another: no area is made of them.
+        flat = TriAnalyzer(whole).get_flat_tri_mask(FLAT)
+        out = share[whole.triangles] > HALF
+        hidden = out.all(axis=1) | (flat & out.any(axis=1))
         shown = Triangulation(whole.x, whole.y, whole.triangles, mask=hidden)
         paint(axes, shown, values, self.norm, self.colors)
         look = {"linewidths": 0.7, "zorder": 1.2}
-        if values.min() < 0.0 < values.max():
-            axes.tricontour(whole, values, levels=[0.0], colors=INK, **look)
+        seen = values[shown.get_masked_triangles()]
+        if seen.min() < 0.0 < seen.max():
+            axes.tricontour(shown, values, levels=[0.0], colors=INK, **look)
         if left_out.any():
-            area = axes.tricontourf(whole, share, levels=[HALF, 2.0])
+            full = Triangulation(whole.x, whole.y, whole.triangles, mask=flat)
+            area = axes.tricontourf(full, share, levels=[HALF, 2.0])
             for path in area.get_paths():
                 axes.add_artist(PathPatch(path, **UNJUDGED, zorder=1.5))
             area.remove()
+            # What is painted is in whole dots, and shows along the rim of what covers it.
+            lines = (of[: carpet.when.size].reshape(carpet.when.shape) for of in (whole.x, whole.y))
+            for left, *line in zip(left_out[carpet.rows], *lines, strict=True):
+                if left:
+                    axes.plot(*line, color=UNJUDGED["facecolor"], linewidth=1.0, zorder=1.4)
 
     def bar(self, axes: Axes) -> Colorbar:
         """Draw the colour bar."""
