@@ -30,7 +30,6 @@ RADII = (1e-7, 5e-6)
 BASIS = {
     "card": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
     "aspect ratio": f"computed: {LENGTH:g} times as long fibers, and as short ones",
-    NUCLEUS: "computed, on the void content: of 0.1 to 5 µm; the severity needs none",
 }
 
 PLANAR = (4 / 3, "stated: the wall's rate in a round nozzle, 8 U/d, over that in a slot, 6 U/W")
@@ -94,10 +93,14 @@ def uncertainty_of(
         The cases of `doubts`, by what is doubted.
     """
     found: list[tuple[str, float | None, str]] = [
-        (name, _spread(of(base), [of(case) for case in cases]), BASIS[name])
-        for name, cases in computed.items()
-        for of in (_content if name == NUCLEUS else _added,)
+        (name, _spread(base.fibers, [case.fibers for case in cases]), basis)
+        for name, basis in BASIS.items()
+        for cases in (computed[name],)
     ]
+    content = _spread(base.void_fraction, [case.void_fraction for case in computed[NUCLEUS]])
+    if content is not None:
+        basis = f"computed: the severity needs none, the void content is off by {content:.2g}"
+        found.append((NUCLEUS, 1.0, f"{basis}, of 0.1 to 5 µm"))
     error = voids["severity_error"]["fibers"]
     if base.fibers > 0.0 and error is not None:
         found.append(("discretisation", 1.0 + error / base.fibers, "estimated: every second point"))
@@ -109,14 +112,6 @@ def uncertainty_of(
         found.append(("Newtonian against thinning", *THINNING))
     ranked = sorted(found, key=lambda one: -(one[1] or 1.0))
     return [{"source": name, "factor": factor, "basis": basis} for name, factor, basis in ranked]
-
-
-def _added(case: Case) -> float:
-    return case.fibers
-
-
-def _content(case: Case) -> float:
-    return case.void_fraction
 
 
 def _spheroid(voids: Mapping[str, Any]) -> float | None:

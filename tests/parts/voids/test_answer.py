@@ -90,7 +90,7 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
         in (told(**changes, void_fraction=content)[ADDED])
     )
     lines = [{"near_singularity": k < 3} for k in range(10)]
-    left = told(**changes, streamlines=lines)[ADDED]
+    left = told(**changes, streamlines=lines)[SURE]
     assert "Without the 3 of 10 streamlines, 30 % of the melt, that pass a sharp corner" in left
     endless = told(**{**changes, "severity": {"fibers": 20.0, "melt": 5.0}})[ADDED]
     assert "until the moisture around it is used up" in endless

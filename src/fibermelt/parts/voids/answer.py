@@ -113,7 +113,7 @@ def _added(voids: Mapping[str, Any]) -> str:
         f"A growth exponent of {number(fibers, 2)}, on average, beside the melt’s own "
         f"{number(melt, 2)}: {_grown(fibers)}"
     )
-    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_content(voids)}{_left_out(voids)}"
+    return f"{told}{_where(voids)}{_against(voids, fibers)}.{_content(voids)}"
 
 
 def _grown(exponent: float) -> str:
@@ -236,12 +236,11 @@ def _helps(voids: Mapping[str, Any]) -> str:
 
 
 def _sure(voids: Mapping[str, Any]) -> str:
-    """Return the largest doubts, each with its factor."""
+    """Return the largest doubts, each with its factor, and what was left out."""
     known = [one for one in voids.get("uncertainty", ()) if one["factor"] is not None]
-    if not known:
-        return ""
     listed = ", ".join(f"{one['source']} {number(one['factor'], 2)}" for one in known)
-    return f"The severity may be off by these factors: {listed}."
+    told = f"The severity may be off by these factors: {listed}." if known else ""
+    return f"{told}{_left_out(voids)}".lstrip()
 
 
 def _advice(voids: Mapping[str, Any]) -> str:

@@ -102,9 +102,12 @@ def _asked(results: xr.Dataset, summary: Mapping[str, Any]) -> list[tuple[str, s
     if "voids" in summary:
         found = summary["voids"]
         asked = [(one["question"], one["answer"]) for one in found["answer"]]
-        worst = worst_line(found)
+        worst = worst_line(found) if is_given(results) else None
         if worst is not None:
-            asked.insert(len(asked) - 1, ("Where is it worst?", _where(found, worst, results)))
+            # Paths of another solver's flow have no layers that say where.
+            place = _place(results, worst["x"], worst["y"], worst.get("z"))
+            told = f"The lowest pressure is met {place}, on path {worst['index']}."
+            asked.insert(len(asked) - 1, ("Where is it worst?", told))
         return asked
     if "bound_lowest" in results:
         return _without_moisture(results)
@@ -155,30 +158,6 @@ def _place(results: xr.Dataset, x: float, y: float, z: float | None = None) -> s
     return (
         f"{sized(MM * abs(x), size)} mm {side} of the nozzle’s axis and "
         f"{sized(MM * y, size)} mm above the bed"
-    )
-
-
-def _where(found: Mapping[str, Any], worst: Mapping[str, Any], results: xr.Dataset) -> str:
-    place = _place(results, worst["x"], worst["y"], worst.get("z"))
-    if is_given(results):
-        return f"The lowest pressure is met {place}, on path {worst['index']}."
-    size = _size(results)
-    told = (
-        f"The lowest pressure is met {place}, on streamline "
-        f"{worst['index']}, which ends {sized(MM * worst['height'], size)} mm up in the bead"
-    )
-    layers = [layer for layer in found["profile"] if layer["fiber_pressure"] is not None]
-    if len(layers) < 2:
-        return f"{told}."
-    low, high = (
-        extreme(layers, key=lambda layer: float(layer["fiber_pressure"])) for extreme in (min, max)
-    )
-    if low["fiber_pressure"] == high["fiber_pressure"]:
-        return f"{told}."
-    return (
-        f"{told}; layer by layer, mean over the initial angles, the pressure on fibers is lowest "
-        f"{sized(MM * low['height'], size)} mm and highest "
-        f"{sized(MM * high['height'], size)} mm above the bed."
     )
 
 
