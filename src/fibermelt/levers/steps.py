@@ -6,7 +6,7 @@ A step is a complete change of settings that a study can run with; nothing is sc
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
@@ -78,12 +78,14 @@ class _Lever:
             yield Step(self.name, {k: v + difference for k, v in numbers.items()}, self.costs)
 
 
+WIDTH = ("flow.capillary_width",)
+
 NOZZLE = (
     _Lever("print speed and flow together", ("flow.inlet_speed", "flow.bed_speed"),
            (1.0 - SHARE,), costs="output"),
     _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), (1.0 + SHARE,)),
     _Lever("gap between nozzle and bed", ("flow.gap",), (1.0 - SHARE,)),
-    _Lever("nozzle diameter", ("flow.capillary_width",), (1.0 - SHARE,)),
+    _Lever("nozzle diameter", WIDTH, (1.0 - SHARE,)),
     _Lever("length of the nozzle’s land", ("flow.capillary_length",), (1.0 - SHARE,)),
 )  # fmt: skip
 """Levers of a flow that is solved here: one from elsewhere has a nozzle of its own. Each goes the
@@ -109,6 +111,12 @@ def steps_of(values: Mapping[str, Value]) -> list[Step]:
         The resolved study, with numbers for what a card may say.
     """
     levers = (*(NOZZLE if values["flow.source"] == "deposition" else ()), *MELT)
+    if values.get("process.nozzle_diameter") is not None:
+        # What moves is the plane's: 0.75 diameters wide.
+        levers = tuple(
+            replace(one, name="slot that stands for the nozzle") if one.keys == WIDTH else one
+            for one in levers
+        )
     return [
         step
         for lever in levers
