@@ -92,7 +92,7 @@ def test_doubts_come_largest_first(asked) -> None:
     doubts = asked[2]["uncertainty"]
     factors = [one["factor"] for one in doubts if one["factor"] is not None]
     assert factors == sorted(factors, reverse=True)
-    assert {"card", "aspect ratio", "discretisation", "ellipse against spheroid"} <= {
+    assert {"the material’s moisture data", "fiber length", "discretisation"} <= {
         one["source"] for one in doubts
     }
     assert all(

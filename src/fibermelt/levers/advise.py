@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.finished import read_finished
@@ -10,7 +11,7 @@ from fibermelt.engine.parameters import declarations
 from fibermelt.engine.results import study_of
 from fibermelt.errors import StoreError
 from fibermelt.levers.cases import Case, compare
-from fibermelt.levers.recommend import drying, proposals, ratio
+from fibermelt.levers.recommend import MOISTURE, WORTH, drying, proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
 from fibermelt.levers.uncertainty import doubts, uncertainty_of
 from fibermelt.study.config import Config
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from fibermelt.engine.progress import Observer
 
 __all__ = ["advise"]
+
+NEEDED = {"severity", "rest", "void_fraction", "severity_error"}
+"""What a summary has to say of voids."""
 
 DIGITS = 4
 """Significant digits of a setting: a printer has no more."""
@@ -66,6 +70,12 @@ def advise(
     """
     finished = read_finished(directory)
     voids = finished.summary.get("voids")
+    if voids is not None and not set(voids) >= NEEDED:
+        msg = (
+            f"{directory}: the run was made by an older fibermelt, which did not tell how far "
+            "voids grow: run its study again into the same folder"
+        )
+        raise StoreError(msg)
     if voids is None:
         msg = f'{directory}: the run has no voids: name "voids" in study.parts and run it again'
         raise StoreError(msg)
@@ -73,7 +83,7 @@ def advise(
     moisture = float(voids["moisture"])
     values = {**resolve(study).values(), "voids.moisture": moisture}
     steps, doubted = steps_of(values), doubts(values, moisture)
-    dried = drying(voids["rest"])
+    dried = drying(voids["rest"], moisture)
     solved: dict[tuple[tuple[str, float], ...], Case] = {}
 
     def solve(*changes: Mapping[str, float]) -> None:
@@ -94,14 +104,16 @@ def advise(
     recommended: dict[str, float] = {}
     for settings in proposals(weighed, once_dry, dried, values):
         solve(settings)
-        if case_of(settings).fibers < once_dry.fibers or settings == dried:
+        found = case_of(settings)
+        is_worth = found.fibers < WORTH * once_dry.fibers
+        if settings == dried or (is_worth and not found.void_fraction > once_dry.void_fraction):
             recommended = settings
             break
     outcome = case_of(recommended)
     levers = [
         {
             **_lever(step, case_of(step.settings), base, values),
-            "dry_ratio": ratio(case.fibers, once_dry.fibers) if dried else None,
+            "dry_ratio": _once_dry(step, case, once_dry) if dried else None,
         }
         for step, case in weighed
     ]
@@ -111,6 +123,7 @@ def advise(
             "settings": recommended,
             "written": {key: _written(key, value) for key, value in recommended.items()},
             **_ratios(outcome, base),
+            "void_fraction_before": _known(base.void_fraction),
             "verified": bool(recommended),
         },
         "uncertainty": uncertainty_of(
@@ -152,12 +165,20 @@ def _lever(step: Step, case: Case, base: Case, values: Mapping[str, Any]) -> dic
 
 def _ratios(case: Case, base: Case) -> dict[str, float | None]:
     """Return what is left of either severity, and the void fraction."""
-    known = case.void_fraction == case.void_fraction
     return {
         "fibers_ratio": ratio(case.fibers, base.fibers),
         "melt_ratio": ratio(case.melt, base.melt),
-        "void_fraction": case.void_fraction if known else None,
+        "void_fraction": _known(case.void_fraction),
     }
+
+
+def _once_dry(step: Step, case: Case, dry: Case) -> float | None:
+    """Return what is left of a dried melt's severity; moisture has no such share."""
+    return None if MOISTURE in step.settings else ratio(case.fibers, dry.fibers)
+
+
+def _known(value: float) -> float | None:
+    return None if isnan(value) else value
 
 
 def _written(key: str, value: float) -> str:

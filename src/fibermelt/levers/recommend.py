@@ -8,41 +8,48 @@ from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.levers.steps import COSTS_NOTHING
+from fibermelt.parts.voids.answer import SAFETY
 
 if TYPE_CHECKING:
     from fibermelt.levers.cases import Case
     from fibermelt.levers.steps import Step
 
-__all__ = ["HELPS", "drying", "proposals", "ratio"]
+__all__ = ["HELPS", "WORTH", "drying", "proposals", "ratio"]
 
 HELPS = 0.99
 """Share of the severity that must be left at most for a step to count as one that helps: what is
 nearer to one lies within the error of the flow."""
 
-BELOW_BOILING = 0.5
-"""Part of the boiling moisture that a melt is dried to: half leaves room for what a dryer and an
-isotherm are off."""
+NOTHING = 0.05
+"""Severity below which there is nothing to take a share of: a nucleus grows by a twentieth."""
+
+WORTH = 0.9
+"""What must be left at most by settings beside drying: a smaller gain cannot be promised by a model
+that is known to a factor of two."""
 
 MOISTURE = "voids.moisture"
 
 
 def ratio(case: float, base: float) -> float | None:
-    """Return what is left of a severity; None where there is none to begin with, or no answer."""
-    return case / base if base > 0.0 and not isnan(case) else None
+    """Return what is left of a severity; None where there was next to none, or is no answer."""
+    return case / base if base > NOTHING and not isnan(case) else None
 
 
-def drying(rest: Mapping[str, Any]) -> dict[str, float]:
-    """Return the moisture that a melt which boils at rest has to be dried to; else nothing.
+def drying(rest: Mapping[str, Any], moisture: float) -> dict[str, float]:
+    """Return the moisture that a melt which may boil at rest has to be dried to; else nothing.
 
     Parameters
     ----------
     rest : mapping
-        The melt at rest: ``"boils"`` and ``"boiling_moisture"``.
+        The melt at rest: ``"boiling_moisture"``.
+    moisture : float
+        The run's.
     """
-    if not rest["boils"] or rest["boiling_moisture"] is None:
+    limit = rest["boiling_moisture"]
+    if limit is None or moisture <= limit / SAFETY:
         return {}
-    limit = BELOW_BOILING * float(rest["boiling_moisture"])
-    return {MOISTURE: float(Context(prec=2, rounding=ROUND_DOWN).create_decimal_from_float(limit))}
+    target = Context(prec=2, rounding=ROUND_DOWN).create_decimal_from_float(limit / SAFETY)
+    return {MOISTURE: float(target)}
 
 
 def proposals(
@@ -53,8 +60,8 @@ def proposals(
 ) -> list[dict[str, float]]:
     """Return the settings to try as a recommendation, the boldest first.
 
-    A melt that boils is dried; besides, each lever that costs neither output nor another material
-    is moved the way that leaves clearly less of what the fibers add: all of them, then those that
+    A melt that may boil is dried; besides, each lever that costs neither output nor another
+    compound is moved the way that leaves clearly less of what the fibers add: all of them, then those that
     were seen to help, then the best of these, then none.
 
     Parameters
@@ -72,7 +79,7 @@ def proposals(
     turned: list[tuple[float, Mapping[str, float]]] = []
     for step, case in weighed:
         left = ratio(case.fibers, base.fibers)
-        if left is None or step.costs != COSTS_NOTHING or (dried and MOISTURE in step.settings):
+        if left is None or step.costs != COSTS_NOTHING or MOISTURE in step.settings:
             continue
         if left < HELPS:
             seen.append((left, step.settings))

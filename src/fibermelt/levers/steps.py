@@ -42,7 +42,7 @@ class Step:
     settings : mapping
         The keys that change and what they become, in SI.
     costs : str
-        What it costs: ``"output"``, ``"material"``, or nothing.
+        What it costs: ``"output"``, ``"another compound"``, or nothing.
     """
 
     lever: str
@@ -83,7 +83,8 @@ WIDTH = ("flow.capillary_width",)
 NOZZLE = (
     _Lever("print speed and flow together", ("flow.inlet_speed", "flow.bed_speed"),
            (1.0 - SHARE,), costs="output"),
-    _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), (1.0 + SHARE,)),
+    _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), (1.0 + SHARE,),
+           costs="the bead’s height"),
     _Lever("gap between nozzle and bed", ("flow.gap",), (1.0 - SHARE,)),
     _Lever("nozzle diameter", WIDTH, (1.0 - SHARE,)),
     _Lever("length of the nozzle’s land", ("flow.capillary_length",), (1.0 - SHARE,)),
@@ -97,8 +98,8 @@ MELT = (
     _Lever("temperature of the melt", (TEMPERATURE,), differences=(KELVIN,)),
     _Lever("moisture", ("voids.moisture",), (0.5,)),
     _Lever("fiber length", ("fiber.half_length", "fiber.aspect_ratio"), (SHORTER,),
-           costs="material"),
-    _Lever("fiber content", ("interaction.volume_fraction",), (LESS,), costs="material"),
+           costs="another compound"),
+    _Lever("fiber content", ("interaction.volume_fraction",), (LESS,), costs="another compound"),
 )  # fmt: skip
 
 

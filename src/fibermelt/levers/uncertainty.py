@@ -28,8 +28,8 @@ RADII = (1e-7, 5e-6)
 """Radii between which a nucleus is assumed [m], as in the table ``[voids]``."""
 
 BASIS = {
-    "card": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
-    "aspect ratio": f"computed: {LENGTH:g} times as long fibers, and as short ones",
+    "the material’s moisture data": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
+    "fiber length": f"computed: {LENGTH:g} times as long fibers, and as short ones",
 }
 
 PLANAR = (4 / 3, "stated: the wall's rate in a round nozzle, 8 U/d, over that in a slot, 6 U/W")
@@ -54,8 +54,10 @@ def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[st
     """
     aspect = float(values["fiber.aspect_ratio"])
     return {
-        "card": [{"voids.moisture": moisture * factor} for factor in (1 / ISOTHERM, ISOTHERM)],
-        "aspect ratio": [
+        "the material’s moisture data": [
+            {"voids.moisture": moisture * factor} for factor in (1 / ISOTHERM, ISOTHERM)
+        ],
+        "fiber length": [
             {"fiber.aspect_ratio": max(1.0, aspect * factor)} for factor in (1 / LENGTH, LENGTH)
         ],
         NUCLEUS: [{"voids.nucleus_radius": radius} for radius in RADII],
@@ -105,11 +107,17 @@ def uncertainty_of(
     if base.fibers > 0.0 and error is not None:
         found.append(("discretisation", 1.0 + error / base.fibers, "estimated: every second point"))
     if (shape := _spheroid(voids)) is not None:
-        found.append(("ellipse against spheroid", shape, "computed: in their worst directions"))
+        found.append(
+            (
+                "fibers as ellipses of a plane, not bodies in space",
+                shape,
+                "computed: in their worst directions",
+            )
+        )
     if values["flow.source"] == "deposition":
-        found.append(("plane against space", *PLANAR))
+        found.append(("a slot, not a round nozzle", *PLANAR))
     if values["melt.law"] == "newtonian":
-        found.append(("Newtonian against thinning", *THINNING))
+        found.append(("a viscosity that does not thin", *THINNING))
     ranked = sorted(found, key=lambda one: -(one[1] or 1.0))
     return [{"source": name, "factor": factor, "basis": basis} for name, factor, basis in ranked]
 

@@ -42,10 +42,15 @@ def test_a_melt_boils_at_rest_whatever_the_nozzle_does() -> None:
     assert "it would from 0.02 % on" in told()[BOILS]
     held = told(rest={"boils": False, "boiling_moisture": None})
     assert "no moisture that the polymer can hold makes it boil" in held[BOILS]
-    wet = told(vapor_pressure=2 * ATMOSPHERE, rest={"boils": True, "boiling_moisture": 2e-4})
+    near = told(moisture=1.1e-4, vapor_pressure=0.55 * ATMOSPHERE)
+    assert near[BOILS].startswith("Barely not: 0.011 % moisture")
+    assert "it is sure not to from 0.01 % down" in near[BOILS]
+    assert near[ADVICE].startswith("Dry below 0.01 % first")
+    boils = {"boils": True, "boiling_moisture": 2e-4}
+    wet = told(moisture=4e-4, vapor_pressure=2 * ATMOSPHERE, rest=boils)
     assert wet[BOILS].startswith("Yes, whatever the nozzle does")
     assert "2 times the air’s. From 0.02 % down it does not." in wet[BOILS]
-    assert wet[ADVICE].startswith("Dry below 0.02 % first")
+    assert wet[ADVICE].startswith("Dry below 0.01 % first")
 
 
 @pytest.mark.parametrize(
@@ -116,7 +121,7 @@ def test_levers_come_strongest_first_and_idle_ones_are_named() -> None:
     said = told(levers=LEVERS)[HELPS]
     assert said == (
         "Of what fibers add there is left: moisture 0.1 % to 0.05 %, 40 %; nozzle 3 mm to 2.85 "
-        "mm, 130 %; gap 3 mm to 2.85 mm, 90 %. Nothing by land."
+        "mm, 130 %; gap 3 mm to 2.85 mm, 90 %. No effect: land."
     )
     boiling = told(
         levers=LEVERS, vapor_pressure=2e5, rest={"boils": True, "boiling_moisture": 2e-4}
@@ -132,9 +137,12 @@ def test_a_recommendation_tells_what_it_came_to() -> None:
         "written": {"flow.gap": "2.85 mm"},
         "fibers_ratio": 0.5,
         "melt_ratio": None,
+        "void_fraction": 0.001,
+        "void_fraction_before": 0.01,
     }
     assert told(recommendation=found)[ADVICE] == (
-        "Set flow.gap = 2.85 mm. That was run: the fibers add 50 % of what they add now."
+        "Set flow.gap = 2.85 mm. That was run: the fibers add 50 % of what they add now, the void "
+        "content at the end of the swell goes 1 % to 0.10 %."
     )
     assert told(recommendation={"settings": {}})[ADVICE].startswith("Leave it")
 

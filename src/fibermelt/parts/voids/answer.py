@@ -49,6 +49,9 @@ MOISTURE = "voids.moisture"
 STRONGEST = 3
 """How many levers the answer names; the page has all of them."""
 
+TELLING = 1.05
+"""Least factor of a doubt that is worth a word beside the others; the page has all."""
+
 NO_CHANGE = 0.99
 """What is left of the severity at least where a lever does nothing, within the flow's error."""
 
@@ -83,6 +86,12 @@ def _boils(voids: Mapping[str, Any]) -> str:
         return (
             f"Yes, whatever the nozzle does: {at}, {number(vapor / ATMOSPHERE, 2)} times the "
             f"air’s. From {_percent(limit)} down it does not."
+        )
+    if limit is not None and voids["moisture"] > limit / SAFETY:
+        return (
+            f"Barely not: {at}, where the air has {_mpa(ATMOSPHERE)}, and what is known of a "
+            f"material’s moisture may be off by a factor of {SAFETY:g}. Count on it; it is sure not "
+            f"to from {_percent(limit / SAFETY)} down."
         )
     beyond = (
         "no moisture that the polymer can hold makes it boil"
@@ -231,13 +240,13 @@ def _helps(voids: Mapping[str, Any]) -> str:
         told.append(f"{'Once dry, no' if boils else 'No'} lever that was tried changes it")
     idle = [one["lever"] for left, one in known if abs(1.0 - left) <= 1.0 - NO_CHANGE]
     if idle and moving:
-        told.append(f"Nothing by {_joined(list(dict.fromkeys(idle)))}")
+        told.append(f"No effect: {_joined(list(dict.fromkeys(idle)))}")
     return f"{'. '.join(told)}." if told else "There is no severity that a lever could lower."
 
 
 def _sure(voids: Mapping[str, Any]) -> str:
     """Return the largest doubts, each with its factor, and what was left out."""
-    known = [one for one in voids.get("uncertainty", ()) if one["factor"] is not None]
+    known = [one for one in voids.get("uncertainty", ()) if (one["factor"] or 1.0) >= TELLING]
     listed = ", ".join(f"{one['source']} {number(one['factor'], 2)}" for one in known)
     told = f"The severity may be off by these factors: {listed}." if known else ""
     return f"{told}{_left_out(voids)}".lstrip()
@@ -247,12 +256,13 @@ def _advice(voids: Mapping[str, Any]) -> str:
     """Return the recommendation that was run, or what can be said without one."""
     found = voids.get("recommendation")
     if found is None:
-        if voids["rest"]["boils"]:
-            limit = voids["rest"]["boiling_moisture"]
-            return f"Dry below {_percent(limit)} first: no setting of the nozzle makes up for it."
+        limit = voids["rest"]["boiling_moisture"]
+        if limit is not None and voids["moisture"] > limit / SAFETY:
+            target = _percent(limit / SAFETY)
+            return f"Dry below {target} first: no setting of the nozzle makes up for it."
         return "Ask `fibermelt voids` on this folder: it tries each lever, in about a minute."
     if not found["settings"]:
-        return "Leave it: nothing that was tried leaves clearly less."
+        return "Leave it: no setting that costs no output leaves clearly less."
     listed = ", ".join(f"{key} = {text}" for key, text in found["written"].items())
     return f"Set {listed}. That was run: {_outcome(found)}."
 
@@ -267,6 +277,11 @@ def _outcome(found: Mapping[str, Any]) -> str:
         )
         if found[f"{key}_ratio"] is not None
     ]
+    before, after = (found.get(f"void_fraction{when}") for when in ("_before", ""))
+    if before is not None and after is not None:
+        told.append(
+            f"the void content at the end of the swell goes {_share(before)} to {_share(after)}"
+        )
     return ", ".join(told) or "no severity is left to compare"
 
 

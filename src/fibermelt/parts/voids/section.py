@@ -65,7 +65,10 @@ def _levers(found: Mapping[str, Any]) -> list[dict[str, Any]]:
             for name, share in shares.items()
             if share is not None
         }
-        told.append({**one, "bars": bars, "strength": abs(1.0 - (strength or 1.0))})
+        content = number(_of(PERCENT, one["void_fraction"]), 2)
+        told.append(
+            {**one, "bars": bars, "content": content, "strength": abs(1.0 - (strength or 1.0))}
+        )
     return sorted(told, key=lambda one: -float(one["strength"]))
 
 
