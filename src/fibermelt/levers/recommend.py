@@ -61,8 +61,8 @@ def proposals(
     """Return the settings to try as a recommendation, the boldest first.
 
     A melt that may boil is dried; besides, each lever that costs neither output nor another
-    compound is moved the way that leaves clearly less of what the fibers add: all of them, then those that
-    were seen to help, then the best of these, then none.
+    compound is moved the way that leaves clearly less of what the fibers add: all of them, then
+    those that were seen to help, then the best of these, then none.
 
     Parameters
     ----------

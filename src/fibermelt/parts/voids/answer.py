@@ -89,9 +89,9 @@ def _boils(voids: Mapping[str, Any]) -> str:
         )
     if limit is not None and voids["moisture"] > limit / SAFETY:
         return (
-            f"Barely not: {at}, where the air has {_mpa(ATMOSPHERE)}, and what is known of a "
-            f"material’s moisture may be off by a factor of {SAFETY:g}. Count on it; it is sure not "
-            f"to from {_percent(limit / SAFETY)} down."
+            f"Barely not: {at}, where the air has {_mpa(ATMOSPHERE)}, and what is known "
+            f"of a material’s moisture may be off by a factor of {SAFETY:g}. Count on it; it is "
+            f"sure not to from {_percent(limit / SAFETY)} down."
         )
     beyond = (
         "no moisture that the polymer can hold makes it boil"
