@@ -20,7 +20,9 @@ MOIST = {"study.parts": '["voids"]', "voids.moisture": "0.05 %"}
 
 def sets(**settings: object) -> list[str]:
     """Return the options that set a moist run, and what differs."""
-    return [part for key, value in {**MOIST, **settings}.items() for part in ("-s", f"{key}={value}")]
+    return [
+        part for key, value in {**MOIST, **settings}.items() for part in ("-s", f"{key}={value}")
+    ]
 
 
 @pytest.fixture(scope="module")
