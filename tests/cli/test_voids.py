@@ -36,6 +36,10 @@ def finished(tmp_path_factory):
     return folder, computed(COARSE, folder / "out", parts)
 
 
+AS_RUN = ("--moisture", "0.17 %")
+"""The study's own moisture: asked for, no levers are moved (`tests/levers`)."""
+
+
 def asked(folder, *options):
     done = here("voids", "out", *options, "--json", folder=folder)
     assert done.returncode == 0, done.stderr
@@ -54,7 +58,7 @@ def refused(folder, *arguments):
 def test_the_answer_is_that_of_the_run_and_leaves_it_alone(finished):
     folder, run = finished
     before = {path: path.stat().st_mtime_ns for path in (folder / "out").rglob("*")}
-    answer = asked(folder)
+    answer = asked(folder, *AS_RUN)
     assert set(answer) >= CONTRACT
     assert len(answer["streamlines"]) == 4
     assert all(set(line) >= ON_LINE for line in answer["streamlines"])
@@ -77,7 +81,7 @@ def test_the_run_shows_voids(finished):
 
 def test_moisture_temperature_and_card_are_those_asked_for(finished):
     folder, _ = finished
-    base = asked(folder)
+    base = asked(folder, *AS_RUN)
     drier = asked(folder, "--moisture", "0.085 %")
     assert drier["vapor_pressure"] == pytest.approx(base["vapor_pressure"] / 2, rel=1e-12)
     assert drier["lowest_pressure"] == base["lowest_pressure"]
@@ -126,7 +130,7 @@ def test_a_card_of_ones_own(finished):
 
 
 def test_words_for_a_person(finished):
-    done = here("voids", "out", folder=finished[0])
+    done = here("voids", "out", *AS_RUN, folder=finished[0])
     assert done.returncode == 0
     assert done.stdout.startswith("vapor pressure  0.951 MPa of 0.17 % moisture in 13 wt% CF/ABS")
     assert "\nwhat to do      " in done.stdout

@@ -9,6 +9,7 @@ from fibermelt.engine.finished import read_finished
 from fibermelt.engine.outputs import replace_output
 from fibermelt.levers.advise import advise
 from fibermelt.parts.voids.answer import answered
+from fibermelt.questions.voids import VoidQuestion, answer_voids
 from fibermelt.report.page.page import write_report
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ def with_levers(
     """Return what summary.json of a finished run says of voids, with what helps against them.
 
     Where it says nothing of that yet, it is computed (`fibermelt.levers.advise`), and put on show:
-    summary.json and the page are replaced, all else stays.
+    summary.json and the page are replaced, all else stays. Of a run of a bead without voids it is
+    what its pressures tell, and nothing is written.
 
     Parameters
     ----------
@@ -39,10 +41,12 @@ def with_levers(
     Raises
     ------
     StoreError
-        If the folder holds no finished run with voids, or cannot be written.
+        If the folder holds no finished run of a bead, or cannot be written.
     """
     finished = read_finished(directory)
-    voids: dict[str, Any] = dict(finished.summary.get("voids", {}))
+    if "voids" not in finished.summary:
+        return answer_voids(directory, VoidQuestion())
+    voids: dict[str, Any] = dict(finished.summary["voids"])
     if "levers" in voids:
         return voids
     voids |= advise(directory, workers=workers, observer=observer)
