@@ -87,7 +87,9 @@ def test_who_follows_the_recommendation_gets_what_it_said(asked) -> None:
     # It boils at rest: dried to half of where that begins.
     assert found["settings"]["voids.moisture"] == pytest.approx(9.0e-5)
     got = severity(folder, found["settings"], "followed") / before["severity"]["fibers"]
-    assert got == pytest.approx(found["fibers_ratio"], abs=WARM)
+    # Nozzle and gap move together, further than one lever does: the coarse meshes of a flow from a
+    # neighbour and of one from cold differ by more, 2 %; on default meshes by less than 1 %.
+    assert got == pytest.approx(found["fibers_ratio"], rel=0.03)
     advice = after["answer"][-1]["answer"]
     assert all(f"{key} = {text}" in advice for key, text in found["written"].items())
 
