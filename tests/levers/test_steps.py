@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from fibermelt.levers.cases import Case
-from fibermelt.levers.recommend import drying, proposals, ratio
+from fibermelt.levers.recommend import proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
+from fibermelt.parts.voids.answer import dry_enough
 from fibermelt.study.loading import load_study
 
 
@@ -64,12 +65,15 @@ def test_within_the_flows_error_nothing_helps() -> None:
 
 
 def test_a_melt_that_boils_is_dried_to_half_of_where_it_boils() -> None:
-    dried = drying({"boiling_moisture": 1.8114e-4}, 1.7e-3)
-    assert dried == {"voids.moisture": 9.0e-5}
+    def target(limit: float | None, moisture: float) -> float | None:
+        return dry_enough({"rest": {"boiling_moisture": limit}, "moisture": moisture})
+
+    assert target(1.8114e-4, 1.7e-3) == 9.0e-5
     # What is known to a factor of two may boil, too.
-    assert drying({"boiling_moisture": 1.8114e-4}, 1.1e-4) == dried
-    assert drying({"boiling_moisture": 1.8114e-4}, 9.0e-5) == {}
-    assert drying({"boiling_moisture": None}, 1.7e-3) == {}
+    assert target(1.8114e-4, 1.1e-4) == 9.0e-5
+    assert target(1.8114e-4, 9.0e-5) is None
+    assert target(None, 1.7e-3) is None
+    dried = {"voids.moisture": 9.0e-5}
     halved = Step("moisture", {"voids.moisture": 4e-4})
     weighed = [(halved, Case(fibers=0.5)), (GAP, Case(fibers=1.0))]
     tried = proposals(weighed, Case(fibers=2.0), dried, BASE)

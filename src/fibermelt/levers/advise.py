@@ -6,20 +6,21 @@ from collections.abc import Mapping
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
-from fibermelt.engine.finished import read_finished
 from fibermelt.engine.parameters import declarations
 from fibermelt.engine.results import study_of
 from fibermelt.errors import StoreError
 from fibermelt.levers.cases import Case, compare
-from fibermelt.levers.recommend import MOISTURE, WORTH, drying, proposals, ratio
+from fibermelt.levers.recommend import WORTH, proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
 from fibermelt.levers.uncertainty import doubts, uncertainty_of
+from fibermelt.parts.voids.answer import MOISTURE, dry_enough
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from fibermelt.engine.finished import Finished
     from fibermelt.engine.progress import Observer
 
 __all__ = ["advise"]
@@ -32,7 +33,11 @@ DIGITS = 4
 
 
 def advise(
-    directory: Path, *, workers: int | None = None, observer: Observer | None = None
+    directory: Path,
+    finished: Finished,
+    *,
+    workers: int | None = None,
+    observer: Observer | None = None,
 ) -> dict[str, Any]:
     """Return what each lever does to the voids of a finished run, and what to set.
 
@@ -43,6 +48,8 @@ def advise(
     ----------
     directory : Path
         Its results folder.
+    finished : Finished
+        What it holds: a run with voids.
     workers : int, optional
         As in `fibermelt.sweeps.runner.run_sweep`.
     observer : Observer, optional
@@ -66,24 +73,21 @@ def advise(
     Raises
     ------
     StoreError
-        If the folder holds no finished run with voids.
+        If the run is of an older fibermelt, which did not tell what this needs.
     """
-    finished = read_finished(directory)
-    voids = finished.summary.get("voids")
-    if voids is not None and not set(voids) >= NEEDED:
+    voids = finished.summary["voids"]
+    if not set(voids) >= NEEDED:
         msg = (
             f"{directory}: the run was made by an older fibermelt, which did not tell how far "
             "voids grow: run its study again into the same folder"
         )
         raise StoreError(msg)
-    if voids is None:
-        msg = f'{directory}: the run has no voids: name "voids" in study.parts and run it again'
-        raise StoreError(msg)
     study = study_of(finished.results)
     moisture = float(voids["moisture"])
-    values = {**resolve(study).values(), "voids.moisture": moisture}
+    values = {**resolve(study).values(), MOISTURE: moisture}
     steps, doubted = steps_of(values), doubts(values, moisture)
-    dried = drying(voids["rest"], moisture)
+    target = dry_enough(voids)
+    dried = {} if target is None else {MOISTURE: target}
     solved: dict[tuple[tuple[str, float], ...], Case] = {}
 
     def solve(*changes: Mapping[str, float]) -> None:

@@ -49,7 +49,7 @@ def with_levers(
     voids: dict[str, Any] = dict(finished.summary["voids"])
     if "levers" in voids:
         return voids
-    voids |= advise(directory, workers=workers, observer=observer)
+    voids |= advise(directory, finished, workers=workers, observer=observer)
     voids["answer"] = answered(voids)
     text = json.dumps({**finished.summary, "voids": voids}, indent=1, allow_nan=False)
     replace_output(directory, "summary.json", text.encode(), finished.run)

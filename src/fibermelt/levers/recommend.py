@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from decimal import ROUND_DOWN, Context
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.levers.steps import COSTS_NOTHING
-from fibermelt.parts.voids.answer import SAFETY
+from fibermelt.parts.voids.answer import MOISTURE, NO_CHANGE
 
 if TYPE_CHECKING:
     from fibermelt.levers.cases import Case
     from fibermelt.levers.steps import Step
 
-__all__ = ["HELPS", "WORTH", "drying", "proposals", "ratio"]
-
-HELPS = 0.99
-"""Share of the severity that must be left at most for a step to count as one that helps: what is
-nearer to one lies within the error of the flow."""
+__all__ = ["WORTH", "proposals", "ratio"]
 
 NOTHING = 0.05
 """Severity below which there is nothing to take a share of: a nucleus grows by a twentieth."""
@@ -27,29 +22,10 @@ WORTH = 0.9
 """What must be left at most by settings beside drying: a smaller gain cannot be promised by a model
 that is known to a factor of two."""
 
-MOISTURE = "voids.moisture"
-
 
 def ratio(case: float, base: float) -> float | None:
     """Return what is left of a severity; None where there was next to none, or is no answer."""
     return case / base if base > NOTHING and not isnan(case) else None
-
-
-def drying(rest: Mapping[str, Any], moisture: float) -> dict[str, float]:
-    """Return the moisture that a melt which may boil at rest has to be dried to; else nothing.
-
-    Parameters
-    ----------
-    rest : mapping
-        The melt at rest: ``"boiling_moisture"``.
-    moisture : float
-        The run's.
-    """
-    limit = rest["boiling_moisture"]
-    if limit is None or moisture <= limit / SAFETY:
-        return {}
-    target = Context(prec=2, rounding=ROUND_DOWN).create_decimal_from_float(limit / SAFETY)
-    return {MOISTURE: float(target)}
 
 
 def proposals(
@@ -71,7 +47,7 @@ def proposals(
     base : Case
         The run itself, of the dried melt.
     dried : mapping
-        As `drying` gives it.
+        The moisture that it has to be dried to, if it has.
     values : mapping
         The resolved study.
     """
@@ -81,9 +57,9 @@ def proposals(
         left = ratio(case.fibers, base.fibers)
         if left is None or step.costs != COSTS_NOTHING or MOISTURE in step.settings:
             continue
-        if left < HELPS:
+        if left < NO_CHANGE:
             seen.append((left, step.settings))
-        elif left > 1.0 / HELPS:
+        elif left > 1.0 / NO_CHANGE:
             turned.append((1.0 / left, step.mirrored(values)))
     tried = [[*seen, *turned], seen, sorted(seen, key=lambda one: one[0])[:1], []]
     found = [dict(dried) | _together(several) for several in tried]

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
+from fibermelt.parts.voids.answer import MOISTURE
+
 if TYPE_CHECKING:
     from fibermelt.engine.parameters import Value
 
@@ -96,7 +98,7 @@ TEMPERATURE = "melt.temperature"
 
 MELT = (
     _Lever("temperature of the melt", (TEMPERATURE,), differences=(KELVIN,)),
-    _Lever("moisture", ("voids.moisture",), (0.5,)),
+    _Lever("moisture", (MOISTURE,), (0.5,)),
     _Lever("fiber length", ("fiber.half_length", "fiber.aspect_ratio"), (SHORTER,),
            costs="another compound"),
     _Lever("fiber content", ("interaction.volume_fraction",), (LESS,), costs="another compound"),

@@ -9,27 +9,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.parts.voids.answer import MOISTURE, SAFETY
+
 if TYPE_CHECKING:
     from fibermelt.levers.cases import Case
 
 __all__ = ["doubts", "uncertainty_of"]
 
-ISOTHERM = 2.0
-"""Factor by which vapor pressures at one moisture differ between the sources of a card: of water
-in ABS the humidity's slope and what filaments take up (0.17 to 0.75 %) leave as much."""
-
 LENGTH = 1.5
 """Factor of the aspect ratio: fibers in printed beads spread by about this around their mean."""
-
 
 NUCLEUS = "nucleus"
 
 RADII = (1e-7, 5e-6)
 """Radii between which a nucleus is assumed [m], as in the table ``[voids]``."""
 
+CARD = "the material’s moisture data"
+
+FIBERS = "fiber length"
+
 BASIS = {
-    "the material’s moisture data": f"computed: {ISOTHERM:g} times the moisture, and a part of it",
-    "fiber length": f"computed: {LENGTH:g} times as long fibers, and as short ones",
+    CARD: f"computed: {SAFETY:g} times the moisture, and a part of it",
+    FIBERS: f"computed: {LENGTH:g} times as long fibers, and as short ones",
 }
 
 PLANAR = (4 / 3, "stated: the wall's rate in a round nozzle, 8 U/d, over that in a slot, 6 U/W")
@@ -54,10 +55,8 @@ def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[st
     """
     aspect = float(values["fiber.aspect_ratio"])
     return {
-        "the material’s moisture data": [
-            {"voids.moisture": moisture * factor} for factor in (1 / ISOTHERM, ISOTHERM)
-        ],
-        "fiber length": [
+        CARD: [{MOISTURE: moisture * factor} for factor in (1 / SAFETY, SAFETY)],
+        FIBERS: [
             {"fiber.aspect_ratio": max(1.0, aspect * factor)} for factor in (1 / LENGTH, LENGTH)
         ],
         NUCLEUS: [{"voids.nucleus_radius": radius} for radius in RADII],

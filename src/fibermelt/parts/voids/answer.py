@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from decimal import ROUND_DOWN, Context
 from typing import Any
 
 from fibermelt.parts.voids.profile import FELT
@@ -16,7 +17,7 @@ from fibermelt.report.kit.tables import number, short
 from fibermelt.units import MM, MPA, PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
 
-__all__ = ["LABELS", "PAPER", "answered"]
+__all__ = ["LABELS", "MOISTURE", "NO_CHANGE", "PAPER", "SAFETY", "answered", "dry_enough"]
 
 BOILS = "Does the melt boil at rest?"
 ADDED = "What do the fibers add?"
@@ -37,14 +38,16 @@ PAPER = {"fibers": 9.844, "melt": 22.92}
 """Severity of the paper's bead at its 0.17 % moisture, as `fibermelt run paper` finds it."""
 
 SAFETY = 2.0
-"""Factor by which the vapor pressure of a card may be off (`fibermelt.levers.uncertainty`): what is
-called free of voids is so at this much of it."""
+"""Factor by which the vapor pressure of a card may be off at one moisture: of water in ABS the
+humidity's slope and what filaments take up (0.17 to 0.75 %) leave as much. What is called free of
+voids is so at this much of it."""
 
 ENDLESS = 12.0
 """Growth exponent beyond which the moisture in reach of a tip is used up, whatever its size: the
 radius would grow by more than a hundred thousand."""
 
 MOISTURE = "voids.moisture"
+"""The key of the moisture."""
 
 STRONGEST = 3
 """How many levers the answer names; the page has all of them."""
@@ -54,6 +57,22 @@ TELLING = 1.05
 
 NO_CHANGE = 0.99
 """What is left of the severity at least where a lever does nothing, within the flow's error."""
+
+
+def dry_enough(voids: Mapping[str, Any]) -> float | None:
+    """Return the moisture that a melt which may boil at rest has to be dried to; None if it is.
+
+    It is what the melt boils from on over `SAFETY`, with two digits, not above it.
+
+    Parameters
+    ----------
+    voids : mapping
+        What summary.json has under ``"voids"``: its ``"moisture"`` and ``"rest"``.
+    """
+    limit = voids["rest"]["boiling_moisture"]
+    if limit is None or voids["moisture"] <= limit / SAFETY:
+        return None
+    return float(Context(prec=2, rounding=ROUND_DOWN).create_decimal_from_float(limit / SAFETY))
 
 
 def answered(voids: Mapping[str, Any]) -> list[dict[str, str]]:
@@ -87,11 +106,11 @@ def _boils(voids: Mapping[str, Any]) -> str:
             f"Yes, whatever the nozzle does: {at}, {number(vapor / ATMOSPHERE, 2)} times the "
             f"air’s. From {_percent(limit)} down it does not."
         )
-    if limit is not None and voids["moisture"] > limit / SAFETY:
+    if (target := dry_enough(voids)) is not None:
         return (
             f"Barely not: {at}, where the air has {_mpa(ATMOSPHERE)}, and what is known "
             f"of a material’s moisture may be off by a factor of {SAFETY:g}. Count on it; it is "
-            f"sure not to from {_percent(limit / SAFETY)} down."
+            f"sure not to from {_percent(target)} down."
         )
     beyond = (
         "no moisture that the polymer can hold makes it boil"
@@ -256,10 +275,8 @@ def _advice(voids: Mapping[str, Any]) -> str:
     """Return the recommendation that was run, or what can be said without one."""
     found = voids.get("recommendation")
     if found is None:
-        limit = voids["rest"]["boiling_moisture"]
-        if limit is not None and voids["moisture"] > limit / SAFETY:
-            target = _percent(limit / SAFETY)
-            return f"Dry below {target} first: no setting of the nozzle makes up for it."
+        if (target := dry_enough(voids)) is not None:
+            return f"Dry below {_percent(target)} first: no setting of the nozzle makes up for it."
         return "Ask `fibermelt voids` on this folder: it tries each lever, in about a minute."
     if not found["settings"]:
         return "Leave it: no setting that costs no output leaves clearly less."

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.parts.voids.answer import MOISTURE
 from fibermelt.parts.voids.summary import worst_line
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table, number, percent, sized
@@ -59,7 +60,7 @@ def _levers(found: Mapping[str, Any]) -> list[dict[str, Any]]:
             "melt": one["melt_ratio"],
             "dry": one["dry_ratio"],
         }
-        strength = shares["dry" if boils and one["key"] != "voids.moisture" else "fibers"]
+        strength = shares["dry" if boils and one["key"] != MOISTURE else "fibers"]
         bars = {
             name: {"share": number(PERCENT * share, 3), "width": min(PERCENT * share, MOST) / MOST}
             for name, share in shares.items()
