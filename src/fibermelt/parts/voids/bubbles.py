@@ -13,6 +13,7 @@ from fibermelt.fiber.pressure import LocalViscosity
 from fibermelt.melt import ViscosityLaw
 from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.bead.stages import stored_path
+from fibermelt.parts.voids.profile import STATIONS
 from fibermelt.voids import ATMOSPHERE, BubbleMelt, Surroundings, Tip, grow, saturation_pressure
 
 if TYPE_CHECKING:
@@ -25,10 +26,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["STATIONS", "Nuclei", "bubbles", "gas_share", "nuclei_of"]
-
-STATIONS = ("swell", "bed")
-"""The end of the swell (zone 3, or the end of a path without zones), and a time on the bed."""
+__all__ = ["Nuclei", "bubbles", "nuclei_of"]
 
 
 @dataclass(frozen=True)
@@ -137,11 +135,6 @@ def bubbles(
         "void_gas": np.mean(gas[:, :-1], axis=1),
         "void_gas_rest": gas[:, -1],
     }
-
-
-def gas_share(gas: Array) -> Array:
-    """Return the share of gas [-] from its volume over that of melt and fibers [-]."""
-    return gas / (1.0 + gas)
 
 
 def _surroundings(

@@ -11,14 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fibermelt.parts.voids.bubbles import STATIONS, gas_share
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
 
-__all__ = ["FELT", "SELECTIONS", "bead_totals", "layer_profile", "layer_weights"]
+__all__ = [
+    "FELT",
+    "SELECTIONS",
+    "STATIONS",
+    "bead_totals",
+    "gas_share",
+    "layer_profile",
+    "layer_weights",
+]
+
+STATIONS = ("swell", "bed")
+"""The end of the swell (zone 3, or the end of a path without zones), and a time on the bed."""
 
 SELECTIONS = ("regular", "all")
 """Without the streamlines that pass close by a singular corner, and with them."""
@@ -31,6 +40,11 @@ MOST_LIKELY = "isotropic 50 %"
 
 SEVERITIES = ("severity_melt", "severity_fibers")
 """What ranks a bead and needs no nucleus."""
+
+
+def gas_share(gas: Array) -> Array:
+    """Return the share of gas [-] from its volume over that of melt and fibers [-]."""
+    return gas / (1.0 + gas)
 
 
 def layer_weights(height: Array, regular: NDArray[np.bool_], layers: int) -> Array:

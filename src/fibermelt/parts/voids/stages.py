@@ -18,10 +18,10 @@ from fibermelt.parts.bead.stages import stored_path
 from fibermelt.parts.flow.given import is_given
 from fibermelt.parts.melt.cards import card_of
 from fibermelt.parts.melt.melt import CARD, viscosity_of
-from fibermelt.parts.voids.bubbles import STATIONS, bubbles, nuclei_of
+from fibermelt.parts.voids.bubbles import bubbles, nuclei_of
 from fibermelt.parts.voids.limits import joint_limits
 from fibermelt.parts.voids.melt import moist_melt
-from fibermelt.parts.voids.profile import FELT, bead_totals, layer_profile
+from fibermelt.parts.voids.profile import FELT, STATIONS, bead_totals, layer_profile
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.voids import (
     ATMOSPHERE,

@@ -10,8 +10,7 @@ import numpy as np
 
 from fibermelt.engine.quantities import or_none
 from fibermelt.parts.voids.answer import LABELS, answered
-from fibermelt.parts.voids.bubbles import gas_share
-from fibermelt.parts.voids.profile import FELT
+from fibermelt.parts.voids.profile import FELT, gas_share
 from fibermelt.parts.voids.quantities import QUANTITIES
 from fibermelt.units import PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
