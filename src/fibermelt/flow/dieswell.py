@@ -21,7 +21,7 @@ from fibermelt.melt import ViscosityLaw
 from fibermelt.melt.slit import SlitFlow
 from fibermelt.threads import exclusive
 
-__all__ = ["DieSwell", "solve_die_swell", "swell_problem"]
+__all__ = ["DieSwell", "settle", "solve_die_swell", "swell_problem"]
 
 CHANNEL, JET = 4.0, 8.0
 """Lengths in half-widths: the end effects decay as exp(-2.1 x) and exp(-3 x), below 1e-4 here."""
@@ -146,13 +146,38 @@ def solve_die_swell(
     """
     mesh, boundaries = swell_problem(lip_edge, bulk_edge, growth, law)
     flow = FreeSurfaceFlow(mesh, boundaries, order, law)
+    count, size = settle(flow, tolerance, bulk_edge, "die swell")
+    height = flow.surface("free", np.array([0.0, 1.0]))[-1, 1]
+    return DieSwell(float(height), flow.unknowns, count, size)
+
+
+def settle(
+    flow: FreeSurfaceFlow, tolerance: float, bulk_edge: float, called: str
+) -> tuple[int, float]:
+    """Take Newton's steps until no node moves further; return how many, and the last one's size.
+
+    Parameters
+    ----------
+    flow : FreeSurfaceFlow
+        The jet.
+    tolerance : float
+        As in `solve_die_swell`.
+    bulk_edge : float
+        What its mesh was made with, to be told.
+    called : str
+        Which jet it is.
+
+    Raises
+    ------
+    ConvergenceError
+        If that takes more than 12 steps.
+    """
     for count in range(1, MAX_STEPS + 1):
         step = flow.step()
         if step.size < tolerance and step.fraction == 1.0:
-            height = flow.surface("free", np.array([0.0, 1.0]))[-1, 1]
-            return DieSwell(float(height), flow.unknowns, count, step.size)
+            return count, step.size
     msg = (
-        f"die swell: node moves of {step.size:.1e} after {MAX_STEPS} Newton steps "
+        f"{called}: node moves of {step.size:.1e} after {MAX_STEPS} Newton steps "
         f"(bound {tolerance:g}); try a shorter bulk_edge than {bulk_edge:g}"
     )
     raise ConvergenceError(msg)

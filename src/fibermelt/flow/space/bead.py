@@ -133,11 +133,8 @@ class BeadNumerics:
 
 
 @dataclass(frozen=True)
-class BeadError:
-    """Estimated errors: of the mesh, against a coarser one, and of the film's extrapolation.
-
-    In the units of the numbers of `BeadSolution` that they belong to, [m], [m2], [Pa].
-    """
+class _Measured:
+    """What a bead is measured by; what each is, `BeadSolution` says."""
 
     bead_height: float
     bead_width: float
@@ -147,6 +144,14 @@ class BeadError:
     wet_width: float
     section_area: float
     inlet_pressure: float
+
+
+@dataclass(frozen=True)
+class BeadError(_Measured):
+    """Estimated errors: of the mesh, against a coarser one, and of the film's extrapolation.
+
+    In the units of the numbers of `BeadSolution` that they belong to, [m], [m2], [Pa].
+    """
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -232,17 +237,8 @@ class BeadSolution(Shown):
 
 
 @dataclass(frozen=True)
-class _Shape:
+class _Shape(_Measured):
     """What is measured on one mesh with one film, in units of diameter, bed speed and viscosity."""
-
-    bead_height: float
-    bead_width: float
-    widest: float
-    heel: float
-    front: float
-    wet_width: float
-    section_area: float
-    inlet_pressure: float
 
     @classmethod
     def of(cls, flow: FreeSurfaceFlow, outlet: float, film: float) -> _Shape:

@@ -11,8 +11,7 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.errors import ConvergenceError
-from fibermelt.flow.dieswell import DieSwell
+from fibermelt.flow.dieswell import DieSwell, settle
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.space.tube import Tube, tube_mesh
 from fibermelt.flow.spaces import Boundaries
@@ -25,9 +24,6 @@ Array = NDArray[np.float64]
 DIE, JET = 2.0, 4.0
 """Lengths in radii: the end effects decay as exp(-4.5 x) and exp(-3.8 x), below 1e-3 of themselves
 here."""
-
-MAX_STEPS = 12
-"""Newton needs 5; more than twice that is a failure."""
 
 
 def _straight(along: Array, across: Array) -> Array:
@@ -95,13 +91,6 @@ def solve_round_swell(
     """
     mesh, boundaries, middles = round_swell_problem(lip_edge, bulk_edge, sectors, growth)
     flow = FreeSurfaceFlow(mesh, boundaries, order, middles=middles)
-    for count in range(1, MAX_STEPS + 1):
-        step = flow.step()
-        if step.size < tolerance and step.fraction == 1.0:
-            area = 2 * flow.area("outlet")
-            return DieSwell(float(np.sqrt(area / np.pi)), flow.unknowns, count, step.size)
-    msg = (
-        f"round die swell: node moves of {step.size:.1e} after {MAX_STEPS} Newton steps "
-        f"(bound {tolerance:g}); try a shorter bulk_edge than {bulk_edge:g}"
-    )
-    raise ConvergenceError(msg)
+    count, size = settle(flow, tolerance, bulk_edge, "round die swell")
+    area = 2 * flow.area("outlet")
+    return DieSwell(float(np.sqrt(area / np.pi)), flow.unknowns, count, size)
