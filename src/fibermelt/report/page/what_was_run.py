@@ -12,11 +12,10 @@ from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.interaction.config import OWN
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.process.config import Process
-from fibermelt.report.kit.tables import Column, number, short
+from fibermelt.report.kit.tables import Column, number
 from fibermelt.report.kit.templates import rendered
 from fibermelt.study.config import Config
 from fibermelt.study.loading import resolve
-from fibermelt.units import parse
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -170,12 +169,10 @@ def _value(item: Declaration, value: object) -> str:
 def _one(item: Declaration, value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value)
-    unit = item.written_unit
-    if str(item.written).endswith("%"):
-        return f"{short(100 * value, DIGITS)}\N{NO-BREAK SPACE}%"
+    if isinstance(value, int) and not item.unit:
+        return number(value, DIGITS)
+    count, _, unit = item.text(value, DIGITS).partition(" ")
+    count = count.replace("-", "−")
     if not unit:
-        return number(value, DIGITS) if isinstance(value, int) else short(value, DIGITS)
-    # A scale such as degC begins elsewhere: what counts is how far a value is from its zero.
-    zero = parse(f"0 {unit}", item.unit)
-    shown = short((value - zero) / (parse(f"1 {unit}", item.unit) - zero), DIGITS)
-    return f"{shown}°" if unit == "deg" else f"{shown}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
+        return count
+    return f"{count}°" if unit == "deg" else f"{count}\N{NO-BREAK SPACE}{_WRITTEN.get(unit, unit)}"
