@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.named import named
+from fibermelt.engine.overrides import varied
 from fibermelt.engine.schema import REPORT
 from fibermelt.engine.stages import Stage
 from fibermelt.engine.wrapping import WIDTH, unbroken, wrapped
@@ -163,10 +164,8 @@ class Chain:
         """
         parts, values = study.config.study.parts, study.config.values()
         is_copy = set(study.own) >= set(type(study.config).model_fields)
-        varied = [
-            key.partition(".")[0].strip() for name in study.sweep or () for key in name.split(",")
-        ]
-        tables = dict.fromkeys([*(() if is_copy else study.own), *varied])
+        swept = [key.partition(".")[0] for key in varied(study.sweep or {})]
+        tables = dict.fromkeys([*(() if is_copy else study.own), *swept])
         asked = ", ".join(f'"{name}"' for name in parts)
         idle: dict[str, list[str]] = {}
         for table in tables:
