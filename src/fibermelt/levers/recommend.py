@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.levers.steps import COSTS_NOTHING
@@ -25,7 +25,7 @@ that is known to a factor of two."""
 
 def ratio(case: float, base: float) -> float | None:
     """Return what is left of a severity; None where there was next to none, or is no answer."""
-    return case / base if base > NOTHING and not isnan(case) else None
+    return case / base if base > NOTHING and not math.isnan(case) else None
 
 
 def proposals(
@@ -38,7 +38,8 @@ def proposals(
 
     A melt that may boil is dried; besides, each lever that costs neither output nor another
     compound is moved the way that leaves clearly less of what the fibers add: all of them, then
-    those that were seen to help, then the best of these, then none.
+    those that were seen to help, then the best of these, then none. What is not worth a flow of its
+    own by the product of what each leaves is not tried.
 
     Parameters
     ----------
@@ -62,7 +63,11 @@ def proposals(
         elif left > 1.0 / NO_CHANGE:
             turned.append((1.0 / left, step.mirrored(values)))
     tried = [[*seen, *turned], seen, sorted(seen, key=lambda one: one[0])[:1], []]
-    found = [dict(dried) | _together(several) for several in tried]
+    found = [
+        dict(dried) | _together(several)
+        for several in tried
+        if not several or math.prod(left for left, _ in several) < WORTH
+    ]
     return [one for k, one in enumerate(found) if one and one not in found[:k]]
 
 

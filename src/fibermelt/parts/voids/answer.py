@@ -148,7 +148,7 @@ def _grown(exponent: float) -> str:
     """Return what an exponent does to a nucleus, in words."""
     if exponent > ENDLESS:
         return "a nucleus at a fiber’s tip grows until the moisture around it is used up"
-    factor = math.exp(exponent)
+    factor = float(f"{math.exp(exponent):.2g}")
     return (
         f"a nucleus at a fiber’s tip grows {number(factor, 2)} times as wide as one in the melt, "
         "as long as moisture lasts"

@@ -11,7 +11,16 @@ from fibermelt.engine.results import table_of
 from fibermelt.parts.flow.config import Flow
 from fibermelt.parts.flow.given import is_given
 from fibermelt.report.kit.plates import plate
-from fibermelt.report.kit.style import GREY, INK, Words, add_axes, new_figure, shades
+from fibermelt.report.kit.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    PINK,
+    Words,
+    add_axes,
+    new_figure,
+)
 from fibermelt.report.kit.tables import number, short
 from fibermelt.units import MM, PERCENT
 
@@ -19,6 +28,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["figure_limits"]
+
+COLORS = (BLUE, ORANGE, PINK)
+"""Of the curves: such as tell in a dark scheme, too."""
 
 
 def _speeds(results: xr.Dataset) -> tuple[float, str]:
@@ -69,7 +81,7 @@ def figure_limits(results: xr.Dataset) -> Figure:
     speed = unit * results["void_limit_speed"].to_numpy()
     moisture = PERCENT * results["void_limit_moisture"].to_numpy()
     wider = results["void_limit_wider"].to_numpy()
-    for color, factor, curve in zip(shades(len(wider)), wider, moisture, strict=True):
+    for color, factor, curve in zip(COLORS, wider, moisture, strict=True):
         axes.plot(speed, curve, color=color, label=f"{short(float(factor))} times as wide")
     axes.axhline(
         PERCENT * float(results["void_boiling_moisture"]),
