@@ -104,4 +104,4 @@ def test_refinement_that_does_not_end_is_said() -> None:
     residual = ng.LinearForm(spaces.flow)
     residual += ng.InnerProduct(ng.CF((1, 1)), test[0]) * ng.dx  # does not see the state
     with pytest.raises(ConvergenceError, match="singular to working precision"):
-        solve_at_rest(spaces.flow, elements, state.vec, residual)
+        solve_at_rest(spaces.flow, elements, state.vec, residual, boundaries)
