@@ -10,6 +10,7 @@ import tomllib
 from html.parser import HTMLParser
 from itertools import pairwise
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -90,11 +91,14 @@ def read(page: str) -> Reader:
     return Reader(page)
 
 
-def test_the_same_store_gives_the_same_bytes_whether_drawn_before_or_not(
+def test_the_same_store_gives_the_same_bytes_drawn_before_or_not_whatever_the_users_settings(
     page: str, results: xr.Dataset
 ) -> None:
     before = results.copy(deep=True)
-    assert render(results, stored_summary(results)) == page.encode()
+    mine = {"font.size": 20, "svg.hashsalt": "mine", "lines.linewidth": 20}
+    with mpl.rc_context(mine):
+        assert render(results, stored_summary(results)) == page.encode()
+        assert mpl.rcParams["font.size"] == 20
     xr.testing.assert_identical(results, before)
 
 
