@@ -8,14 +8,18 @@ import numpy as np
 import pytest
 
 from fibermelt.fiber import Ellipse, ThinningResponse, unbounded_ellipse
+from fibermelt.fiber.cell import table as table_module
 from fibermelt.fiber.cell.mesh import curved_mesh, sample_nodes
 from fibermelt.fiber.cell.stokes import solve_modes
-from fibermelt.fiber.cell.table import solve_thinning, surface_extremes
+from fibermelt.fiber.cell.table import solve_thinning, surface_extremes, surface_nodes
 from fibermelt.fiber.cell.thinning import (
     THINNING_NUMERICS,
+    CellAnswer,
     ThinningCell,
     thinning_flow_around,
+    thinning_grid,
 )
+from fibermelt.fiber.cell.worker import Answers, Task
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.melt.strain import strain_of_stress
@@ -219,6 +223,43 @@ def test_table_against_direct_solves() -> None:
     # largest beyond the last rate, where the law is within FLAT of a power law
     assert turn < 2e-4
     assert turn < 1.5 * table.spin_error
+
+
+def test_a_table_takes_more_directions_where_it_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five are too few for a slender fiber, whose lowest pressure leaves the tip within degrees.
+
+    The closed form stands for the cells.
+    """
+    slender = Ellipse(1.0, 20.0)
+    exact = unbounded_ellipse(slender)
+
+    def closed_form(tasks: list[Task], workers: int) -> list[Answers]:
+        found = []
+        for task in tasks:
+            grid = thinning_grid(task.fiber, task.domain_size, task.numerics)
+            basis = exact.curve.point(surface_nodes(grid, task.numerics.order))
+            found.append(
+                {
+                    (rate, phase): CellAnswer(
+                        exact.shape_factor * np.sin(phase),
+                        basis @ [np.cos(phase), np.sin(phase)],
+                        1,
+                    )
+                    for rate, phase in task.points
+                }
+            )
+        return found
+
+    monkeypatch.setattr(table_module, "solve_tasks", closed_form)
+    phase = np.linspace(0.0, np.pi, 2001)
+    errors = []
+    for target in (np.inf, table_module.TARGET):
+        monkeypatch.setattr(table_module, "TARGET", target)
+        table = solve_thinning(slender, CELL, Newtonian(1.0), phases=5, workers=1)
+        gap = np.abs(table.lowest_at(1.0, phase) + exact.support(phase + np.pi))
+        errors.append((float(gap.max() / exact.support.largest), table.pressure_error))
+    assert errors[0][0] > 2.0 * table_module.TARGET
+    assert max(errors[1]) < table_module.TARGET
 
 
 def test_points_are_shared_out_in_any_way() -> None:

@@ -67,7 +67,7 @@ PART = Part(
         ),
         Stage(
             "response",
-            2,
+            3,
             (*FIBER, LAW, "numerics.thinning_order"),
             (),
             f"{HERE}.response:response_stage",
@@ -76,7 +76,7 @@ PART = Part(
         ),
         Stage(
             "motion",
-            5,
+            6,
             (
                 *CELL,
                 LAW,
