@@ -269,7 +269,7 @@ class ThinningResponse:
     @property
     def terms(self) -> int:
         """Return how many terms of ``omega`` are more than the cells' own error."""
-        return self._kept.shape[1]
+        return int(self._kept.shape[1])
 
     @cached_property
     def _kept(self) -> Array:

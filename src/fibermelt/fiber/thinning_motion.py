@@ -246,7 +246,8 @@ def _turning(path: FlowHistory, response: ThinningResponse, tolerance: float) ->
     bound, most = tolerance / (n - 1), 1
     spectrum = np.zeros((line.size, DIRECTIONS // 2), dtype=np.complex128)
     left, count, terms = np.arange(line.size), FEWEST, response.terms
-    start, turn = np.pi * np.arange(count) / count, np.empty(0)
+    start = np.pi * np.arange(count) / count
+    turn: Array = np.empty(0)
     while left.size and count <= DIRECTIONS:
         begin = np.broadcast_to(start, (left.size, start.size))
         after, taken = _cross(melt, line[left], interval[left], begin, bound)

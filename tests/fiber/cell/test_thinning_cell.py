@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from fibermelt.fiber import Ellipse, ThinningResponse, unbounded_ellipse
+from fibermelt.errors import ConfigError
+from fibermelt.fiber import Ellipse, ThinningResponse, solve_cell, unbounded_ellipse
 from fibermelt.fiber.cell import table as table_module
 from fibermelt.fiber.cell.mesh import curved_mesh, sample_nodes
 from fibermelt.fiber.cell.stokes import solve_modes
@@ -18,9 +19,11 @@ from fibermelt.fiber.cell.thinning import (
     ThinningCell,
     thinning_flow_around,
     thinning_grid,
+    thinning_surroundings,
 )
 from fibermelt.fiber.cell.worker import Answers, Task
 from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.surroundings import Surroundings
 from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.melt.strain import strain_of_stress
 
@@ -291,3 +294,31 @@ def test_the_flow_around_a_fiber(law: ViscosityLaw) -> None:
     np.testing.assert_array_equal(net[half:], -net[:half])
     assert around.element_edges.shape[1] == order + 1
     assert around.cells.max() == len(x) - 1
+
+
+def test_the_flow_around_a_fiber_in_a_given_flow() -> None:
+    """In a Newtonian melt it is the closed sum: rigid on the fiber, undisturbed on the edge."""
+    law, angle = Newtonian(817.0), 0.6
+    gradient = np.array([[3.0, 40.0], [-7.0, -3.0]])
+    cell, seen = thinning_surroundings(FIBER, CELL, law, gradient, angle)
+    solution = solve_cell(FIBER, CELL)
+    names = ("points", "cells", "element_edges", "velocity", "pressure")
+    sums = Surroundings(*(getattr(solution, name) for name in names))
+    summed = sums.around(gradient, angle, 817.0)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    strain = turn.T @ gradient @ turn
+    spin = 0.5 * (strain[1, 0] - strain[0, 1]) + solution.shape_factor * 0.5 * (
+        strain[0, 1] + strain[1, 0]
+    )
+    place = cell.points @ turn.T
+    around = np.stack([-place[:, 1], place[:, 0]], axis=-1)
+    x, y = cell.points.T
+    surface, edge = np.hypot(x, 6.0 * y) < 1.0 + 1e-6, np.hypot(x, y) > 2.0 - 1e-6
+    # the curve is projected on, to 1e-9; the spin is that of cells on another grid
+    assert np.abs(seen.velocity - spin * around)[surface].max() < 1e-5 * abs(spin)
+    assert np.abs(seen.velocity - place @ gradient.T)[edge].max() < 1e-6
+    # the same extremes on both grids, each at its own nodes
+    assert seen.pressure.min() == pytest.approx(summed.pressure.min(), rel=5e-3)
+    assert seen.pressure.max() == pytest.approx(summed.pressure.max(), rel=5e-3)
+    with pytest.raises(ConfigError, match="rate of deformation"):
+        thinning_surroundings(FIBER, CELL, law, np.zeros((2, 2)), angle)
