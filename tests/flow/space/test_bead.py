@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.flow.problem import BeadDeposition, Nozzle
-from fibermelt.flow.space.bead import BeadNumerics, BeadSolution, solve_bead
+from fibermelt.flow.problem import BeadDeposition, BeadNumerics, Nozzle
+from fibermelt.flow.space.bead import BeadSolution, solve_bead
 from fibermelt.melt import CarreauYasuda, Newtonian
 
 D = 3.175e-3
