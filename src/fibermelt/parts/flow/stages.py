@@ -19,7 +19,7 @@ from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.flow.strand import FINER as FINER_STRAND
-from fibermelt.parts.flow.strand import strand_paths
+from fibermelt.parts.flow.strand import stored_bead, strand_paths
 from fibermelt.parts.melt.melt import LAW, NEWTONIAN, law_of, thins
 from fibermelt.parts.melt.quantities import QUANTITIES as MELT
 
@@ -305,6 +305,7 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
 
 def write_fields(results: xr.Dataset, folder: Path) -> None:
     """Write the flow for ParaView; one that was given is there already."""
-    if "cell_nodes" not in results:
-        return
-    write_vtu(_field(results), folder / "flow.vtu")
+    if "cell_nodes" in results:
+        write_vtu(_field(results), folder / "flow.vtu")
+    elif "strand_cells" in results:
+        write_vtu(stored_bead(results), folder / "flow.vtu")

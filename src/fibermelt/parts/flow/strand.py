@@ -12,7 +12,7 @@ import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
-from fibermelt.flow.problem import BeadDeposition, Nozzle
+from fibermelt.flow.problem import BeadDeposition, BeadNumerics, Nozzle
 from fibermelt.parts.flow.imported import field_arrays, stored_field, traced
 from fibermelt.parts.flow.quantities import QUANTITIES
 from fibermelt.parts.melt.melt import law_of
@@ -20,8 +20,17 @@ from fibermelt.parts.melt.melt import law_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from fibermelt.flow.space.field import BeadField
 
-__all__ = ["FINER", "bead_problem", "strand_estimates", "strand_paths", "strand_stage"]
+
+__all__ = [
+    "FINER",
+    "bead_problem",
+    "stored_bead",
+    "strand_estimates",
+    "strand_paths",
+    "strand_stage",
+]
 
 SCALARS = (
     "bead_height",
@@ -71,7 +80,7 @@ def bead_problem(parameters: Parameters) -> BeadDeposition:
 def strand_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Solve the bead in space, and cut it into a field that paths can be followed through."""
     from fibermelt.fields.bead import followable  # noqa: PLC0415  loads the finite elements
-    from fibermelt.flow.space.bead import BeadError, BeadNumerics, solve_bead  # noqa: PLC0415
+    from fibermelt.flow.space.bead import BeadError, solve_bead  # noqa: PLC0415
 
     problem = bead_problem(parameters)
     found = solve_bead(problem, BeadNumerics(**parameters.section("strand")), progress=say)
@@ -100,6 +109,19 @@ def strand_estimates(parameters: Parameters, strand: xr.Dataset) -> tuple[Estima
     }
     return tuple(
         Estimate(name, float(strand[name]), bound, FINER) for name, bound in bounds.items()
+    )
+
+
+def stored_bead(strand: xr.Dataset) -> BeadField:
+    """Return the field on curved tetrahedra that was stored."""
+    from fibermelt.flow.space.field import BeadField  # noqa: PLC0415  as above
+
+    names = ("points", "velocity", "pressure", "gradient", "divergence", "viscosity")
+    return BeadField(
+        order=int(strand["strand_order"]),
+        cells=strand["strand_cells"].to_numpy(),
+        gradient_error=strand["field_gradient_error"].to_numpy(),
+        **{name: strand[f"field_{name}"].to_numpy() for name in names},
     )
 
 

@@ -78,7 +78,7 @@ def _maps(results: xr.Dataset) -> Iterator[Map]:
             "exposure", exponent, Normalize(0.0, high), SEQUENTIAL, "growth exponent on a fiber"
         )
     if "orientation" in results:
-        share = results["orientation"].sel(axis="x", other_axis="x").isel(point=-1).to_numpy()
+        share = results["orientation"].isel(axis=0, other_axis=0, point=-1).to_numpy()
         yield Map(
             "orientation along the bead", share, Normalize(0.0, 1.0), SEQUENTIAL, "a_xx at the end"
         )
