@@ -167,15 +167,15 @@ def bead_paths(
 def bead_zones(path: FieldPath, problem: BeadDeposition) -> Array:
     """Return when a path reaches zones 1 to 3 [s], (3,); NaN if it does not.
 
-    They are those of a streamline in the plane: the capillary's entrance (of a straight nozzle the
-    same height), the nozzle's exit, and from where on the velocity stays within 2 % of the bed's.
+    They are those of a streamline in the plane: the capillary's entrance, the nozzle's exit, and
+    from where on the velocity stays within 2 % of the bed's. A straight nozzle has no zone 1.
     """
     history, nozzle = path.history, problem.nozzle
-    levels = (nozzle.capillary_entrance, nozzle.gap)
-    reached = [history.time_across(1, level) for level in levels]
+    is_straight = nozzle.inlet_width == nozzle.capillary_width
+    entrance = np.nan if is_straight else history.time_across(1, nozzle.capillary_entrance)
     bed = np.array([problem.bed_speed, 0.0, 0.0])
     miss = np.linalg.norm(history.velocity - bed, axis=1)
     unsettled = np.flatnonzero(miss > SETTLED_SPEED * problem.bed_speed)
     last = int(unsettled[-1]) + 1 if unsettled.size else 0
     settled = float(history.time[last]) if last < len(history) else np.nan
-    return np.array([*reached, settled])
+    return np.array([entrance, history.time_across(1, nozzle.gap), settled])

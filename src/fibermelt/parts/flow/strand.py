@@ -134,10 +134,12 @@ def strand_paths(parameters: Parameters, strand: xr.Dataset, say: Say) -> dict[s
     say(f"tracing {count} paths of {points} points")
     paths = bead_paths(field, problem, count, points)
     start = np.stack([path.history.position[0] for path in paths])
+    zone_time = np.stack([bead_zones(path, problem) for path in paths])
+    known = np.isfinite(zone_time).any(axis=0)
     return {
         **traced(paths),
         "start_radius": 2.0 * np.hypot(start[:, 0], start[:, 2]) / problem.nozzle.inlet_width,
         "start_angle": np.arctan2(start[:, 2], start[:, 0]),
-        "zone": np.arange(1, 4),
-        "zone_time": np.stack([bead_zones(path, problem) for path in paths]),
+        "zone": 1 + np.flatnonzero(known),
+        "zone_time": zone_time[:, known],
     }

@@ -39,7 +39,7 @@ OF_FLOW = ("bead_height", "inlet_pressure", "heel")
 def refuse_without_bead(study: Tables) -> None:
     """Refuse the part in a study whose flow is no bead in space (`ConfigError`)."""
     source = study.table(Flow).source
-    if source != "deposition-3d":
+    if "plane" in study.study.parts and source != "deposition-3d":
         msg = (
             f'study.parts: "plane" sets a slot beside a bead in space, and flow.source = '
             f'"{source}": say flow.source = "deposition-3d", or leave the part away'

@@ -80,8 +80,15 @@ def _maps(results: xr.Dataset) -> Iterator[Map]:
     if "orientation" in results:
         share = results["orientation"].isel(axis=0, other_axis=0, point=-1).to_numpy()
         yield Map(
-            "orientation along the bead", share, Normalize(0.0, 1.0), SEQUENTIAL, "a_xx at the end"
+            "orientation along the bead", share, _range(share[kept]), SEQUENTIAL, "a_xx at the end"
         )
+
+
+def _range(known: Array) -> Normalize:
+    """Return a scale between the tenths around some values in [0, 1]."""
+    if not known.size:
+        return Normalize(0.0, 1.0)
+    return Normalize(np.floor(10.0 * known.min()) / 10.0, np.ceil(10.0 * known.max()) / 10.0)
 
 
 def cross_section_words(results: xr.Dataset) -> Words:
@@ -106,6 +113,7 @@ def cross_section_words(results: xr.Dataset) -> Words:
         caption=(
             "What a fiber met on its way, over the section of the finished bead, looking upstream: "
             f"{names}. Between the ends of paths (points), linear; "
+            f"({'abcd'[len(maps)]}) where they begin in the nozzle, in the colours of (a); "
             f"{colors_said(results, line=False)}.{left}"
         ),
         alt=f"Maps of the bead's section: {'; '.join(told)}.",
@@ -123,7 +131,7 @@ def cross_section_words(results: xr.Dataset) -> Words:
 def figure_cross_section(results: xr.Dataset) -> Figure:
     """Draw lowest pressure, exposure and orientation over the section at the outlet."""
     maps, skin = list(_maps(results)), skin_of(results)
-    rows = (len(maps) + 1) // 2
+    rows = len(maps) // 2 + 1
     figure = new_figure(FULL, 4 + (TALL + 6) * rows)
     wide = (FULL - 16 - BETWEEN) / 2
     for k, one in enumerate(maps):
@@ -134,7 +142,36 @@ def figure_cross_section(results: xr.Dataset) -> Figure:
         letter(axes, f"{'abc'[k]}  {one.name}")
         bar = add_axes(figure, left, bottom, wide, 2.2)
         color_bar(ScalarMappable(one.norm, one.colors), bar, one.label, extend="neither")
+    row, column = divmod(len(maps), 2)
+    left, bottom = 14 + column * (wide + BETWEEN), 10 + (TALL + 6) * (rows - 1 - row)
+    axes = add_axes(figure, left, bottom + 2, wide, TALL - 10)
+    _origins(axes, results, maps[0])
+    letter(axes, f"{'abcd'[len(maps)]}  where they came from, in the nozzle")
     return figure
+
+
+def _origins(axes: Axes, results: xr.Dataset, one: Map) -> None:
+    """Draw where paths begin in the nozzle's section, in the colours of a map."""
+    radius, angle = (results[f"start_{name}"].to_numpy() for name in ("radius", "angle"))
+    known = regular(results) & np.isfinite(one.values)
+    for side in (1.0, -1.0):
+        x, z = radius * np.cos(angle), side * radius * np.sin(angle)
+        axes.scatter(z[~known], x[~known], s=9, facecolors="none", edgecolors=GREY, linewidths=0.6)
+        axes.scatter(
+            z[known],
+            x[known],
+            c=one.values[known] - one.zero,
+            norm=one.norm,
+            cmap=one.colors,
+            s=16,
+            edgecolors=INK,
+            linewidths=0.3,
+        )
+    around = np.linspace(0.0, 2.0 * np.pi, 181)
+    axes.plot(np.cos(around), np.sin(around), color=INK, linewidth=0.9)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("z [radii]")
+    axes.set_ylabel("x [radii], downstream up")
 
 
 def _paint(axes: Axes, results: xr.Dataset, skin: Skin, one: Map) -> None:
