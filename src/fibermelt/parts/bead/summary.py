@@ -329,15 +329,19 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
 def _bead(flow: Mapping[str, Any]) -> list[str]:
     """Return the lines on a bead that was solved for."""
     height = flow["bead_height"]
+    from_axis = " from the nozzle's axis"
     lines = (
         ("bead_height", height, 4, ""),
+        ("bead_width", height, 4, ""),
         ("inlet_pressure", flow["inlet_pressure"], 3, ""),
-        ("contact_point", height, 4, " from the nozzle's axis"),
+        ("contact_point", height, 4, from_axis),
+        ("front", height, 3, from_axis),
     )
     return [
         f"{FLOW[name].title.lower():<16}"
         f"{FLOW[name].with_unit(flow[name], size=size, digits=digits)}{whence}"
         for name, size, digits, whence in lines
+        if name in flow
     ]
 
 
