@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from fibermelt.levers.cases import Case
@@ -9,6 +10,10 @@ from fibermelt.levers.recommend import proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
 from fibermelt.parts.voids.answer import dry_enough
 from fibermelt.study.loading import load_study
+
+
+def case(*fibers: float) -> Case:
+    return Case(fibers=np.array(fibers))
 
 
 def values(study: str = "paper", **changes: object) -> dict[str, object]:
@@ -50,8 +55,8 @@ GAP, NOZZLE, SLOW = (
 
 
 def test_what_helps_goes_together_and_what_hurts_is_turned_round() -> None:
-    weighed = [(GAP, Case(fibers=2.2)), (NOZZLE, Case(fibers=1.0)), (SLOW, Case(fibers=0.1))]
-    tried = proposals(weighed, Case(fibers=2.0), {}, BASE)
+    weighed = [(GAP, case(2.2)), (NOZZLE, case(1.0)), (SLOW, case(0.1))]
+    tried = proposals(weighed, case(2.0), {}, BASE)
     turned = pytest.approx(3.15)
     assert tried[0] == {"flow.capillary_width": 1.9, "flow.gap": turned}
     assert tried[1] == {"flow.capillary_width": 1.9}
@@ -60,8 +65,8 @@ def test_what_helps_goes_together_and_what_hurts_is_turned_round() -> None:
 
 
 def test_within_the_flows_error_nothing_helps() -> None:
-    weighed = [(GAP, Case(fibers=1.995)), (NOZZLE, Case(fibers=2.005))]
-    assert proposals(weighed, Case(fibers=2.0), {}, BASE) == []
+    weighed = [(GAP, case(1.995)), (NOZZLE, case(2.005))]
+    assert proposals(weighed, case(2.0), {}, BASE) == []
 
 
 def test_a_melt_that_boils_is_dried_to_half_of_where_it_boils() -> None:
@@ -75,13 +80,25 @@ def test_a_melt_that_boils_is_dried_to_half_of_where_it_boils() -> None:
     assert target(None, 1.7e-3) is None
     dried = {"voids.moisture": 9.0e-5}
     halved = Step("moisture", {"voids.moisture": 4e-4})
-    weighed = [(halved, Case(fibers=0.5)), (GAP, Case(fibers=1.0))]
-    tried = proposals(weighed, Case(fibers=2.0), dried, BASE)
+    weighed = [(halved, case(0.5)), (GAP, case(1.0))]
+    tried = proposals(weighed, case(2.0), dried, BASE)
     assert tried == [{**dried, "flow.gap": 2.85}, dried]
 
 
 def test_nothing_has_no_share() -> None:
-    assert ratio(1.0, 0.0) is None
-    assert ratio(float("nan"), 1.0) is None
-    assert ratio(1.0, 4.0) == 0.25
-    assert ratio(0.02, 0.04) is None
+    assert ratio(case(1.0), case(0.0)) is None
+    assert ratio(Case(reason="no surface"), case(1.0)) is None
+    assert ratio(case(1.0), case(4.0)) == 0.25
+    assert ratio(case(0.02), case(0.04)) is None
+
+
+def test_a_streamline_that_only_one_setting_keeps_is_no_effect_of_it() -> None:
+    """Twice as much on each that both keep; means over what each keeps would say 3/2 and 4."""
+    base, moved = case(1.0, np.nan, 2.0, 5.0), case(2.0, 8.0, 4.0, np.nan)
+    assert ratio(moved, base) == pytest.approx(2.0, rel=1e-12)
+    assert ratio(base, moved) == pytest.approx(0.5, rel=1e-12)
+    assert ratio(case(np.nan, 1.0), case(1.0, np.nan)) is None
+
+
+def test_volumes_of_gas_add_up() -> None:
+    assert Case(gas=np.array([0.5, np.nan, 1.5])).void_fraction == pytest.approx(0.5, rel=1e-12)
