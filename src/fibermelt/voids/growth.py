@@ -72,6 +72,9 @@ STEPS = 8
 HALVINGS = 7
 """How often they are halved at most: to 1024."""
 
+MARCHED = 3
+"""Levels of steps that every nucleus is followed on: two tell no error of the second order."""
+
 TOLERANCE = 0.05
 """Largest error of ``ln R`` at stations, as the last halving tells it; about as much is left of
 nuclei that are just critical, a tenth of others."""
@@ -484,11 +487,17 @@ class _Meshes:
         """Return the steps of some paths."""
         for k in which:
             if (level, k) not in self._steps:
-                (time,) = self.times(level, [k])
-                step = np.diff(time)
-                means = np.diff(self._integrals[k](time), axis=-1) / step
-                self._steps[level, k] = np.concatenate([step[None], means])
+                self._refine(level, k)
         return _Mesh(*np.stack([self._steps[level, k] for k in which], axis=-1))
+
+    def _refine(self, level: int, k: int) -> None:
+        """Have a path's steps of some level, and of those below, whose times are among its own."""
+        finest = max(level, MARCHED - 1)
+        (time,) = self.times(finest, [k])
+        whole = np.concatenate([time[None], self._integrals[k](time)])
+        for each in range(finest + 1):
+            step, *over = np.diff(whole[:, :: 2 ** (finest - each)])
+            self._steps[each, k] = np.stack([step, *(one / step for one in over)])
 
     @staticmethod
     def _nodes(share: Array, places: list[tuple[Array, Array]]) -> Array:
@@ -554,7 +563,7 @@ def _extrapolated(
     before, coarse = (_marched(meshes, level, nuclei) for level in (0, 1))
     first = 2.0 * coarse - before
     told = np.empty((4, *first.shape[1:]))
-    for level in range(2, HALVINGS + 1):
+    for level in range(MARCHED - 1, HALVINGS + 1):
         fine = _marched(meshes, level, nuclei.some(left))
         second = 2.0 * fine - coarse
         told[:3, :, left] = second + (second - first) / 3.0
