@@ -30,11 +30,51 @@ def test_a_temperature_is_moved_only_where_the_viscosity_follows_it() -> None:
     assert "temperature of the melt" in names(**{"melt.activation_temperature": "10000 K"})
 
 
-def test_a_printers_nozzle_is_told_as_the_slot_that_stands_for_it() -> None:
-    of_printer = {step.lever for step in steps_of(values("pellet"))}
-    assert "slot that stands for the nozzle" in of_printer
-    assert "nozzle diameter" not in of_printer
-    assert "nozzle diameter" in names()
+@pytest.mark.parametrize("study", ["pellet", "filament"])
+def test_a_printer_is_moved_by_what_its_file_says(study: str) -> None:
+    """What is pasted there moves the plane: by one factor each, or as mass balance has it."""
+    base = values(study)
+    of_printer = {step.lever: step.settings for step in steps_of(base)}
+    keys = {key for settings in of_printer.values() for key in settings}
+    assert {key for key in keys if key.startswith("flow.")} == {"flow.capillary_length"}
+    moved = {
+        "print speed and flow together": {"flow.inlet_speed": 0.95, "flow.bed_speed": 0.95},
+        "width of the bead, by its flow": {"flow.inlet_speed": 1.05, "flow.bed_speed": 1.0},
+        "layer height": {"flow.gap": 0.95, "flow.inlet_speed": 0.95},
+        "nozzle diameter": {
+            "flow.capillary_width": 0.95,
+            "flow.capillary_length": 0.95,
+            "flow.inlet_speed": 0.95**-2,
+            "flow.gap": 1.0,
+        },
+        "fiber content": {"interaction.volume_fraction": 0.8},
+    }
+    for lever, factors in moved.items():
+        found = values(study, **of_printer[lever])
+        assert {key: found[key] / base[key] for key in factors} == pytest.approx(factors, rel=1e-12)
+
+
+@pytest.mark.parametrize("key", ["process.flow_rate", "process.mass_flow"])
+def test_a_flow_that_is_said_goes_with_the_print_speed(key: str) -> None:
+    said = {"process.flow_rate": "3.2 cm^3/s", "process.mass_flow": "14 kg/h"}
+    base = values("pellet", **{key: said[key]})
+    by_name = {step.lever: step for step in steps_of(base)}
+    together = by_name["print speed and flow together"].settings
+    assert together == pytest.approx({name: 0.95 * base[name] for name in together}, rel=1e-12)
+    assert set(together) == {"process.print_speed", key}
+    assert set(by_name["flow at the same print speed and layer height"].settings) == {key}
+    assert by_name["layer height"].costs == ""
+
+
+def test_what_the_plane_says_itself_is_moved_there() -> None:
+    """``flow.gap`` wins over the layer height, which then moves no gap."""
+    of_both = {
+        step.lever: step.settings for step in steps_of(values("pellet", **{"flow.gap": 4e-3}))
+    }
+    assert of_both["gap between nozzle and bed"] == pytest.approx({"flow.gap": 3.8e-3})
+    assert "layer height" not in of_both
+    wider = values("pellet", **{"flow.gap": 4e-3, **of_both["width of the bead, by its flow"]})
+    assert wider["flow.gap"] == 4e-3
 
 
 def test_both_speeds_go_by_one_factor_and_back_by_as_much() -> None:

@@ -119,11 +119,17 @@ def compare(
         The run itself, and one for each of ``changes``, in their order.
     """
     own = {"study.parts": PARTS, **ALONE}
-    values = load_study(study, own).config.values()
-    refused = [_refusal(study, change) for change in changes]
-    valid = [change for change, reason in zip(changes, refused, strict=True) if not reason]
-    varied = sorted({key for change in valid for key in change})
-    rows = [[change.get(key, values[key]) for key in varied] for change in ({}, *valid)]
+    refused, cases = [], [load_study(study, own).config.values()]
+    for change in changes:
+        try:
+            cases.append(load_study(study, {**own, **change}).config.values())
+        except ConfigError as error:
+            refused.append(str(error))
+        else:
+            refused.append("")
+    varied = sorted({key for change in changes for key in change})
+    # Of each the values that it has itself: a printer's nozzle takes its land with it.
+    rows = [[values[key] for key in varied] for values in cases]
     swept = load_study(study, own, {", ".join(varied): rows})
     folder = directory / FOLDER
     _lend(directory, folder, swept.config)
@@ -149,15 +155,6 @@ def compare(
         solved = [Case(reason=str(reason)) for reason in reasons]
     base, others = solved[0], iter(solved[1:])
     return [base, *(Case(reason=reason) if reason else next(others) for reason in refused)]
-
-
-def _refusal(study: Mapping[str, Any], change: Mapping[str, float]) -> str:
-    """Return why a changed study cannot be, or nothing."""
-    try:
-        load_study(study, {"study.parts": PARTS, **change})
-    except ConfigError as error:
-        return str(error)
-    return ""
 
 
 def _lend(source: Path, target: Path, config: Tables) -> None:
