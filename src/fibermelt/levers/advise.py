@@ -93,6 +93,8 @@ def advise(
     def solve(*changes: Mapping[str, float]) -> None:
         """Solve changed studies, those before among them: the folder's sweep is of all."""
         asked = list(dict.fromkeys([*solved, *(tuple(one.items()) for one in changes)]))
+        if solved and len(asked) == len(solved):
+            return
         several = [dict(one) for one in asked if one]
         cases = compare(directory, study, several, workers=workers, observer=observer)
         solved.update(zip([(), *filter(None, asked)], cases, strict=True))
