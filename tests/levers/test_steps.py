@@ -39,7 +39,7 @@ def test_a_printer_is_moved_by_what_its_file_says(study: str) -> None:
     assert {key for key in keys if key.startswith("flow.")} == {"flow.capillary_length"}
     moved = {
         "print speed and flow together": {"flow.inlet_speed": 0.95, "flow.bed_speed": 0.95},
-        "width of the bead, by its flow": {"flow.inlet_speed": 1.05, "flow.bed_speed": 1.0},
+        "width of the bead": {"flow.inlet_speed": 1.05, "flow.bed_speed": 1.0},
         "layer height": {"flow.gap": 0.95, "flow.inlet_speed": 0.95},
         "nozzle diameter": {
             "flow.capillary_width": 0.95,
@@ -73,7 +73,7 @@ def test_what_the_plane_says_itself_is_moved_there() -> None:
     }
     assert of_both["gap between nozzle and bed"] == pytest.approx({"flow.gap": 3.8e-3})
     assert "layer height" not in of_both
-    wider = values("pellet", **{"flow.gap": 4e-3, **of_both["width of the bead, by its flow"]})
+    wider = values("pellet", **{"flow.gap": 4e-3, **of_both["width of the bead"]})
     assert wider["flow.gap"] == 4e-3
 
 

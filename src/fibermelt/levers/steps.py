@@ -124,7 +124,7 @@ def _of_printer(values: Mapping[str, Value]) -> list[_Lever]:
         _Lever("flow at the same print speed and layer height", tuple(rate), (1.0 + SHARE,),
                costs="the bead’s width", moves=FLOW)
         if rate
-        else _Lever("width of the bead, by its flow", ("process.bead_width",), (1.0 + SHARE,),
+        else _Lever("width of the bead", ("process.bead_width",), (1.0 + SHARE,),
                     costs="the bead’s width", moves=FLOW),
         _Lever("layer height", ("process.layer_height",), (1.0 - SHARE,),
                costs=COSTS_NOTHING if rate else "output", moves=GAP),
