@@ -2,7 +2,8 @@
 
 Each figure is a ratio of processor times measured in one run: of a flow over a Newtonian one, of
 a table over the default cell of a Newtonian melt (two flows and the estimate), of the quantiles
-over the paper's 13 fibers. Where the time of a table goes: 40 % assembly of the tangent, 40 % its
+over the paper's 13 fibers, of the fiber stage with a table over that with a Newtonian response (2.0
+at n = 0.5). Where the time of a table goes: 40 % assembly of the tangent, 40 % its
 factorisation; half a cell halves both, and Newton from the stress takes 2 to 5 steps, without a
 neighbour, where it took 4 to 12 with one.
 """
