@@ -89,7 +89,7 @@ def _in_space() -> xr.Dataset:
 
 
 def _round_bead() -> xr.Dataset:
-    """Return fibers in a bead in space of a guessed shape, whose paths end all over its section."""
+    """Return fibers in a bead in space of a guessed shape, whose paths end across its section."""
     from fibermelt.flow.mesh import scaled  # noqa: PLC0415
     from fibermelt.flow.space.guess import BeadGuess  # noqa: PLC0415
     from fibermelt.flow.space.tube import Tube, _disc, _tetrahedra  # noqa: PLC0415
@@ -110,7 +110,7 @@ def _round_bead() -> xr.Dataset:
         name: (rows, np.broadcast_to(DIAMETER * values[:, None], flat["x"].shape))
         for name, values in {
             "y": np.linspace(0.1, 0.68, count),
-            "z": 0.55 * radius * np.sin(angle),
+            "z": np.linspace(0.03, 0.5, count),
         }.items()
     }
     numbers = {

@@ -56,8 +56,8 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     dict
         ``flow``, ``paths``, ``streamlines``, ``left_out``, ``cell``, ``extremes`` and
         ``orientation``. The ``error_estimate`` of the flow has one of each number that has any. A
-        flow that was not solved here has paths and what its melt goes through, and no nozzle's numbers;
-        ``field`` has the ``notes`` on how its file was read.
+        flow that was not solved here has paths and what its melt goes through, and no nozzle's
+        numbers; ``field`` has the ``notes`` on how its file was read.
         Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
