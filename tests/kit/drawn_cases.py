@@ -7,13 +7,14 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from drawn_bead import made_up
+from drawn_bead import made_up, with_voids
 from round_bead import BEAD_PROBLEM, DIAMETER
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.parts.thinning.stages import CAUSES
+from fibermelt.parts.voids.bubbles import Nuclei
 from fibermelt.study.quantities import QUANTITIES
 
 __all__ = ["CASES", "INDICES", "MODELS", "case", "effects"]
@@ -65,6 +66,12 @@ def _thinning() -> xr.Dataset:
     config = '[melt]\nlaw = "power-law"\nconsistency = 817.0\nindex = 0.5\n'
     rest = bead.attrs["config"].partition("[fiber]")
     return bead.merge(law).assign_attrs(config=config + rest[1] + rest[2])
+
+
+def _with_bubbles() -> xr.Dataset:
+    """Return a bead of a few streamlines with nuclei at the tips of its fibers."""
+    nuclei = Nuclei(1e-6, 1.0, 0.5, 42e-6, 7e-6, 7e-6, 0.08, in_space=False)
+    return with_voids(made_up(count=4, angles=3), nuclei=nuclei)
 
 
 def _with_stations() -> xr.Dataset:
@@ -171,6 +178,7 @@ def _of_another_closure() -> xr.Dataset:
 
 CASES: dict[str, Callable[[], xr.Dataset]] = {
     "bead": made_up,
+    "bubbles at tips": _with_bubbles,
     "one streamline, one angle": lambda: made_up(count=1, angles=1),
     "five marked streamlines": lambda: _marked(2, 6, 10, 14, 18, angles=13),
     "marked side by side": lambda: _marked(9, 10, 11),

@@ -19,8 +19,8 @@ DEFAULTS = resolve({}).values()
 NOT_OF_THE_FIBER = {"flow", "strand", "field", "streamlines", "verification"}
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - NOT_OF_THE_FIBER
 BELOW_FLOW = {
-    *("streamlines", "motion", "orientation", "dimensions", "thinning", "voids", "plane"),
-    "claims",
+    *("streamlines", "motion", "surroundings", "orientation", "dimensions", "thinning"),
+    *("voids", "plane", "claims"),
 }
 
 
@@ -70,15 +70,21 @@ def test_stages_come_after_their_inputs():
         ("interaction.volume_fraction", {"content", "orientation", "voids", "claims"}),
         ("interaction.model", {"orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "plane", "claims"}),
-        ("numerics.isotropic_angles", {"motion", "voids", "plane", "claims"}),
+        (
+            "fiber.initial_angles",
+            {"motion", "surroundings", "dimensions", "thinning", "voids", "plane", "claims"},
+        ),
+        (
+            "numerics.isotropic_angles",
+            {"motion", "surroundings", "voids", "plane", "claims"},
+        ),
         ("voids.moisture", {"voids"}),
         ("thinning.rate", {"thinning"}),
         (
             "numerics.thinning_order",
-            {"response", "motion", "thinning", "voids", "plane", "claims"},
+            {"response", "motion", "surroundings", "thinning", "voids", "plane", "claims"},
         ),
-        ("fiber.melt", {"motion", "voids", "plane", "claims"}),
+        ("fiber.melt", {"motion", "surroundings", "voids", "plane", "claims"}),
         ("melt.temperature", {"voids"}),
         ("melt.density", {"voids"}),
         # The flow itself is that of any Newtonian melt; who is fed it sees it in its own scale.

@@ -11,6 +11,7 @@ from fibermelt.parts.bead.shapes import SHAPES, choices
 from fibermelt.parts.flow.config import SOLVED, Flow
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import melt_of, thins
+from fibermelt.units import UM
 
 if TYPE_CHECKING:
     from fibermelt.engine.tables import Tables
@@ -130,6 +131,6 @@ def fiber_notes(study: Tables) -> list[str]:
     if not tight:
         return []
     return [
-        f"a fiber is {length:.3g} m long, {', '.join(tight)}: above {LONGEST_FIBER:g} the flow "
-        "changes along the fiber, and what it feels is only roughly that of its middle"
+        f"a fiber is {UM * length:.3g} um long, {', '.join(tight)}: above {LONGEST_FIBER:g} "
+        "the flow changes along the fiber, and what it feels is only roughly that of its middle"
     ]

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "field_edges",
     "figure_path_extremes",
     "figure_path_histories",
     "figure_paths",
@@ -178,7 +179,7 @@ def _projection(
 
 def _draw_boundary(axes: Axes, results: xr.Dataset, plane: tuple[str, str]) -> None:
     """Draw the edges of the field: the boundary of a plane, the sharp edges of a body."""
-    edges = _edges(results)
+    edges = field_edges(results)
     if edges is None:
         return
     points = MM * results["field_points"].to_numpy()[:, ["xyz".index(name) for name in plane]]
@@ -186,7 +187,7 @@ def _draw_boundary(axes: Axes, results: xr.Dataset, plane: tuple[str, str]) -> N
     axes.add_collection(lines)
 
 
-def _edges(results: xr.Dataset) -> Index | None:
+def field_edges(results: xr.Dataset) -> Index | None:
     """Return the edges (m, 2) of the field to draw: a plane's boundary, or a body's sharp ones."""
     if "field_cells" not in results:
         return None
