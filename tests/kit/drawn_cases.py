@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 from drawn_bead import made_up, with_voids
+from round_bead import BEAD_PROBLEM, DIAMETER
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
@@ -94,6 +95,60 @@ def _in_space() -> xr.Dataset:
     return flat.assign(z=(flat["x"].dims, np.broadcast_to(rise[:, None], flat["x"].shape)))
 
 
+def _round_bead() -> xr.Dataset:
+    """Return fibers in a bead in space of a guessed shape, whose paths end across its section."""
+    from fibermelt.flow.mesh import scaled  # noqa: PLC0415
+    from fibermelt.flow.space.guess import BeadGuess  # noqa: PLC0415
+    from fibermelt.flow.space.tube import Tube, _disc, _tetrahedra  # noqa: PLC0415
+
+    nozzle = scaled(BEAD_PROBLEM.nozzle)
+    guess = BeadGuess(nozzle, BEAD_PROBLEM.speed_ratio, 0.01)
+    tube = Tube.graded(guess.stations, 0.2, 0.5, 12, 0.5)
+    disc, triangles = _disc(tube.rings, tube.sectors)
+    layers = len(tube.layers)
+    places = guess(np.repeat(tube.layers, len(disc)), np.tile(disc, (layers, 1)))
+    places[:, 2] = np.maximum(places[:, 2], 0.0)
+    cells = _tetrahedra(triangles, layers, len(disc))
+    flat = _from_elsewhere()
+    count = flat.sizes["streamline"]
+    radius, angle = np.linspace(0.3, 0.9, count), np.linspace(0.4, 2.7, count)
+    rows = ("streamline", "point")
+    drawn = {
+        name: (rows, np.broadcast_to(DIAMETER * values[:, None], flat["x"].shape))
+        for name, values in {
+            "y": np.linspace(0.1, 0.68, count),
+            "z": np.linspace(0.03, 0.5, count),
+        }.items()
+    }
+    numbers = {
+        "bead_height": 0.77,
+        "bead_width": 1.15,
+        "widest": 1.28,
+        "heel": -0.51,
+        "front": 0.03,
+        "wet_width": 0.7,
+        "film": 0.015,
+    }
+    solved = labelled(
+        {
+            "field_points": DIAMETER * places,
+            "field_cells": cells,
+            "strand_cells": cells,
+            **{name: DIAMETER * value for name, value in numbers.items()},
+            "elements": len(cells),
+            "unknowns": 32388,
+            "start_radius": radius,
+            "start_angle": angle,
+        },
+        QUANTITIES,
+    )
+    return (
+        flat.assign(drawn)
+        .drop_vars([*numbers, *("elements", "unknowns")], errors="ignore")
+        .merge(solved)
+    )
+
+
 def _of_turns(aspect_ratios: tuple[float, ...], count: int = 22, **changes: object) -> xr.Dataset:
     parts = [
         turned(aspect_ratios=aspect_ratios, **changes),
@@ -131,6 +186,7 @@ CASES: dict[str, Callable[[], xr.Dataset]] = {
     "paths from elsewhere": _from_elsewhere,
     "paths with stations": _with_stations,
     "paths in space": _in_space,
+    "a bead in space": _round_bead,
     "turns": lambda: _of_turns((1.0, 6.0, 10.0)),
     "fibers that stall": lambda: _of_turns((1.0, 6.0), domain_size=4.0),
     "many turns": lambda: _of_turns(

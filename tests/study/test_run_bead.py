@@ -135,7 +135,7 @@ def test_the_summary_has_the_bead(run: Computed, coarse_bead: BeadSolution) -> N
     for name in ("bead_height", "bead_width", "widest", "heel", "front", "wet_width", "film"):
         assert flow[name] == getattr(coarse_bead, name)
     for name in ("bead_height", "section_area", "inlet_pressure", "front", "wet_width"):
-        assert float(run.results[f"{name}_error"]) == getattr(coarse_bead.error, name)
+        assert flow["error_estimate"][name] == getattr(coarse_bead.error, name)
     assert "contact_point" not in flow
     assert [path["end"] for path in run.summary["paths"]] == ["outlet"] * 12
     assert run.results["zone"].to_numpy().tolist() == [2, 3]

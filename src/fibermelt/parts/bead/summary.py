@@ -55,9 +55,9 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         ``flow``, ``paths``, ``streamlines``, ``left_out``, ``cell``, ``extremes`` and
-        ``orientation``. A flow
-        that was not solved here has paths and what its melt goes through, and no nozzle's numbers;
-        ``field`` has the ``notes`` on how its file was read.
+        ``orientation``. The ``error_estimate`` of the flow has one of each number that has any. A
+        flow that was not solved here has paths and what its melt goes through, and no nozzle's
+        numbers; ``field`` has the ``notes`` on how its file was read.
         Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
@@ -74,6 +74,9 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     """
     told = [name for name, one in FLOW.items() if one.title and name in results]
     flow: dict[str, Any] = {name: results[name].item() for name in told} | melt_met(results)
+    error = {name: results[f"{name}_error"].item() for name in told if f"{name}_error" in results}
+    if error:
+        flow["error_estimate"] = error
     notes = str(results["field_notes"].item()).split("\n") if "field_notes" in results else []
     return {
         "flow": flow,

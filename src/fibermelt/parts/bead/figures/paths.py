@@ -55,6 +55,9 @@ SPARSE = 200
 MOST_LINES = 200
 """Paths that are drawn: more hide one another."""
 
+MOST_CURVES = 30
+"""More paths than this to a panel are painted in dots inside SVG: 200 pieces of each are heavy."""
+
 SHARP = 0.8
 """Cosine between two faces of a boundary below which their edge is drawn: 37 degrees."""
 
@@ -156,6 +159,7 @@ def _projection(
             list(np.concatenate(segments)), cmap=against.colors, norm=against.norm, linewidth=1.1
         )
         lines.set_array(np.concatenate(colors) - against.zero)
+        lines.set_rasterized(len(segments) > MOST_CURVES)
         axes.add_collection(lines)
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
