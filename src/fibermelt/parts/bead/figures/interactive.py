@@ -37,6 +37,9 @@ LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
 MOST_LINES, MOST_ANGLES, MOST_POINTS = 30, 13, 120
 """Streamlines, initial angles and points that are shown of however many there are."""
 
+MOST_IN_SPACE = 20
+"""Paths in space that are shown: their fibers have two angles."""
+
 MOST_EDGES = 3000
 """Edges around paths that are shown: more of them hide the paths, and take their room."""
 
@@ -115,7 +118,8 @@ def moving_data(results: xr.Dataset) -> str:
     """
     starts = evenly(results.sizes["initial_angle"], MOST_ANGLES)
     marked = {feature.row: feature for feature in features(results)}
-    rows = sorted({*evenly(results.sizes["streamline"], MOST_LINES), *marked})
+    most = MOST_IN_SPACE if "elevation" in results else MOST_LINES
+    rows = sorted({*evenly(results.sizes["streamline"], most), *marked})
     colors = {feature.number: k for k, feature in enumerate(marked.values())}
     vapor = vapor_above_air(results)
     data = {
