@@ -204,7 +204,7 @@
     text(svg, width - RIGHT, height - BOTTOM - 4, "s", { "text-anchor": "end" });
     line().zones.forEach((zone, k) => {
       element("path", { d: `M${X(zone)} ${TOP}V${height - BOTTOM}`, stroke: "var(--line)", "stroke-width": 0.8, "stroke-dasharray": "2 3" }, svg);
-      text(svg, X(zone) + 3, height - BOTTOM - 4, String(k + 1), {});
+      text(svg, X(zone) + 3, height - BOTTOM - 4, String(data.zones[k]), {});
     });
     const curve = (values, attributes) =>
       element("path", { d: path(values.map((v, i) => [X(line().time[i]), Y(v)])), fill: "none", "stroke-width": 1.6, ...attributes }, svg);

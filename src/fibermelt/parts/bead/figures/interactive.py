@@ -63,8 +63,8 @@ class Moving:
         Whether the paths leave the plane, so that the drawing can be turned.
     fibers_in_space : bool
         Whether the fibers do.
-    has_zones : bool
-        Whether the zones' times are known.
+    zones : str
+        Which zones' times are known, such as "1 to 3".
     data : Markup
         `moving_data`, escaped there.
     """
@@ -74,7 +74,7 @@ class Moving:
     views: Mapping[str, str]
     in_space: bool
     fibers_in_space: bool
-    has_zones: bool
+    zones: str
     data: Markup
 
 
@@ -93,9 +93,17 @@ def moving_figure(results: xr.Dataset) -> Moving | None:
         views=BEAD_VIEWS if in_bead else SPACE_VIEWS if in_space else {},
         in_space=in_space,
         fibers_in_space=in_space or "elevation" in results,
-        has_zones="zone_time" in results,
+        zones=_named(results),
         data=Markup(moving_data(results)),
     )
+
+
+def _named(results: xr.Dataset) -> str:
+    """Return the numbers of the zones that paths reach, in words."""
+    if "zone_time" not in results:
+        return ""
+    first, *_, last = results["zone"].to_numpy().tolist() * 2
+    return f"{first} to {last}" if last > first else f"{first}"
 
 
 def moving_data(results: xr.Dataset) -> str:
@@ -127,6 +135,7 @@ def moving_data(results: xr.Dataset) -> str:
         "vapor": None if vapor is None else round(PRESSURE / MPA * vapor),
         "ratio": float(results["aspect_ratio"]),
         "starts": [_start(results, k) for k in starts],
+        "zones": results["zone"].to_numpy().tolist() if "zone_time" in results else [],
         "marked": colors,
         "lines": [_line(results, row, starts) for row in rows],
         "picked": _in_the_middle(results, rows, list(marked)),
