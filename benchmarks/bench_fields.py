@@ -54,3 +54,7 @@ def test_reading_and_paths(benchmark: BenchmarkFixture, file: Path) -> None:
     benchmark.extra_info["reading over a look-up"] = read / once
     benchmark.extra_info["1000 paths over a look-up"] = traced / once
     benchmark.extra_info["both, seconds here"] = read + traced
+    print(
+        f"\n{len(field.points):,} points, {PATHS} paths of {POINTS}: read in {read:.1f} s, "
+        f"followed in {traced:.1f} s, {read + traced:.1f} s in all"
+    )

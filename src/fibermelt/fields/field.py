@@ -221,6 +221,15 @@ class Field(Unchanging):
             found.append((cKDTree(self._centres[members]), members, float(radius[members].max())))
         return tuple(found)
 
+    @cached_property
+    def _beyond(self) -> Index:
+        """Return the cell that a walk enters across the facet opposite to each corner.
+
+        `Facets.neighbour`, and where that has none, the cell in which the last point that was lost
+        there lay: cells do not meet at whole facets around a sliver that was taken out.
+        """
+        return self.facets.neighbour.copy()
+
     def _reference(self, xyz: Array, cell: Index) -> Array:
         """Return the barycentric coordinates (n, d) of points in their cells, inside or not."""
         away = xyz - self._plane[self.cells[cell, 0]]
@@ -261,8 +270,7 @@ class Field(Unchanging):
         unknown = active[cell[active] < 0]
         if unknown.size:
             cell[unknown] = self._tree.query(xyz[unknown])[1]
-        lost = []
-        neighbour = self.facets.neighbour
+        lost, doors = [], []
         for _ in range(MAX_WALK):
             if not active.size:
                 break
@@ -272,13 +280,18 @@ class Field(Unchanging):
             worst = bary.argmin(axis=1)
             outside = bary[np.arange(len(active)), worst] < -INSIDE
             active, worst = active[outside], worst[outside]
-            across = neighbour[cell[active], worst]
-            lost.append(active[across < 0])
+            across = self._beyond[cell[active], worst]
+            closed = across < 0
+            lost.append(active[closed])
+            doors.append(np.stack([cell[active], worst])[:, closed])
             cell[active] = across
-            active = active[across >= 0]
+            active = active[~closed]
         left = np.concatenate([*lost, active]) if lost else active
         if left.size:
             cell[left], reference[left] = self._search(xyz[left])
+            if doors:
+                through = tuple(np.concatenate(doors, axis=1))
+                self._beyond[through] = cell[left[: len(through[0])]]
         return Place(cell, reference)
 
     def _search(self, xyz: Array) -> tuple[Index, Array]:

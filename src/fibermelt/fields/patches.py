@@ -18,8 +18,8 @@ FLAT = 1e-12
 without width in a direction keeps a finite map, and one a hundred thousand times as long as wide
 is as wide as long in its own axes."""
 
-ENTRIES = 2_000_000
-"""Numbers of a batch of fits: 16 MB an array."""
+ENTRIES = 500_000
+"""Numbers of a batch of fits: 4 MB an array."""
 
 
 def batches(pattern: csr_array, coefficients: int) -> list[Index]:

@@ -10,12 +10,16 @@ SIAM J. Sci. Comput. 26, 1192 (doi:10.1137/S1064827503402837), with quadratics w
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from fibermelt.fields.patches import batches, inverse_normal, monomials, own_axes, padded
 from fibermelt.fields.simplices import adjacency, facets
+from fibermelt.threads import cores
 
 __all__ = ["recovered_gradient"]
 
@@ -40,11 +44,16 @@ ROWS = 20_000
 """Nodes whose patches are gathered at once."""
 
 
-def _fit(basis: Array, rise: Array, weight: Array) -> tuple[Array, Array, Array]:
-    """Return coefficients (b, q, c) of weighted fits, inverse normal matrices, and conditions."""
-    weighted = basis * weight[:, None]
-    inverse, condition = inverse_normal(weighted @ basis.swapaxes(1, 2))
-    return inverse @ (weighted @ rise), inverse, condition
+def _fit(basis: Array, rise: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Return coefficients (b, q, c) of weighted fits, inverse normal matrices, and conditions.
+
+    Of ``rise`` (b, c, k) by ``basis`` (b, q, k), with the roots (b, k) of the weights.
+    """
+    q = basis.shape[1]
+    rows = np.concatenate([basis, rise], axis=1) * root[:, None]
+    product = rows @ rows.swapaxes(1, 2)
+    inverse, condition = inverse_normal(product[:, :q, :q])
+    return inverse @ product[:, :q, q:], inverse, condition
 
 
 def _scatter(left: Array, weight: Array, count: Array, inverse: Array, axes: Array) -> Array:
@@ -52,7 +61,7 @@ def _scatter(left: Array, weight: Array, count: Array, inverse: Array, axes: Arr
 
     Parameters
     ----------
-    left : (b, k, c) array
+    left : (b, c, k) array
         What the fits leave of the velocities; zero at the centre and where it fills a patch up.
     weight : (b, k) array
         Weights of the fits, at most one.
@@ -65,7 +74,7 @@ def _scatter(left: Array, weight: Array, count: Array, inverse: Array, axes: Arr
     """
     d, q = axes.shape[-1], inverse.shape[-1]
     spare = np.maximum(count - q, 1) / count
-    variance = np.einsum("bk,bkc->b", weight, left**2) / (weight.sum(axis=1) * spare)
+    variance = np.einsum("bk,bck->b", weight, left**2) / (weight.sum(axis=1) * spare)
     spread = np.einsum("bij,bik,bkj->b", axes, inverse[:, :d, :d], axes)
     return np.asarray(np.sqrt(variance * np.abs(spread)))
 
@@ -107,11 +116,14 @@ def recovered_gradient(points: Array, cells: Index, velocity: Array) -> tuple[Ar
             pattern = joined[rows]
             for _ in range(rings - 1):
                 pattern = pattern @ joined
-            for batch in batches(pattern, coefficients):
+            patches = batches(pattern, coefficients)
+            fit = partial(_patch, points, velocity, is_last=rings == MOST_RINGS)
+            around = (pattern[batch] for batch in patches)
+            # nearly all of a fit is in NumPy, which lets other threads run meanwhile
+            with ThreadPoolExecutor(cores()) as pool:
+                fits = list(pool.map(fit, (rows[batch] for batch in patches), around))
+            for batch, (good, slopes, doubt) in zip(patches, fits, strict=True):
                 centre = rows[batch]
-                good, slopes, doubt = _patch(
-                    points, velocity, centre, pattern[batch], rings == MOST_RINGS
-                )
                 gradient[centre[good]], error[centre[good]] = slopes[good], doubt[good]
                 failed.append(centre[~good])
         left = np.concatenate(failed) if failed else left[:0]
@@ -128,22 +140,23 @@ def _patch(
     length = is_own.sum(axis=1)
     table = np.column_stack([points, velocity])
     beyond = np.take(table, around, axis=0) - table[centre, None]
-    away, rise = beyond[..., :d], beyond[..., d:]
+    away, rise = beyond[..., :d], beyond[..., d:].swapaxes(1, 2)
     axes = own_axes(away, length)
     y = axes @ away.swapaxes(1, 2)
     basis = monomials(y, 3)
-    near = np.exp(-DECAY / d * np.einsum("bik,bik->bk", y, y))
-    cubic, inverse, condition = _fit(basis, rise, near)
+    root = np.exp(-0.5 * DECAY / d * np.einsum("bik,bik->bk", y, y))
+    near = root**2
+    cubic, inverse, condition = _fit(basis, rise, root)
     of_two = d + d * (d + 1) // 2
-    quadratic = _fit(basis[:, :of_two], rise, near**2)[0]
+    quadratic = _fit(basis[:, :of_two], rise, near)[0]
     good = (condition < WORST_CONDITION) & (length - 1 >= SPARE * basis.shape[1])
     slopes = cubic[:, :d].swapaxes(1, 2) @ axes
     doubt = np.linalg.norm(slopes - quadratic[:, :d].swapaxes(1, 2) @ axes, axis=(1, 2))
-    left = rise - basis.swapaxes(1, 2) @ cubic
+    left = rise - cubic.swapaxes(1, 2) @ basis
     count = np.maximum(length - 1, 1)
     doubt += _scatter(left, near * is_own, count, inverse, axes)
     if is_last and not good.all():
-        plane = _fit(basis[:, :d], rise, near**2)[0].swapaxes(1, 2) @ axes
+        plane = _fit(basis[:, :d], rise, near)[0].swapaxes(1, 2) @ axes
         slopes[~good] = plane[~good]
         doubt[~good] = np.linalg.norm(plane[~good], axis=(1, 2))
         good = np.ones_like(good)
