@@ -1,7 +1,9 @@
 """What holds for all tests."""
 
+import os
 import signal
 
+import pytest
 from examples_drawn import FUZZ
 from hypothesis import HealthCheck, settings
 
@@ -22,3 +24,16 @@ for _name in ("SIGINT", "SIGHUP", "SIGTERM"):
         signal.signal(getattr(signal, _name), signal.SIG_DFL)
 
 pytest_plugins = ["solved_flows"]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep each of several processes to a core of its own.
+
+    What they start then starts no second process to help it: all cores are at work already.
+    """
+    worker = getattr(config, "workerinput", None)
+    if worker is None or not hasattr(os, "sched_setaffinity"):
+        return
+    cores = sorted(os.sched_getaffinity(0))
+    if worker["workercount"] >= len(cores):
+        os.sched_setaffinity(0, {cores[int(worker["workerid"].removeprefix("gw")) % len(cores)]})

@@ -38,14 +38,12 @@ from .fields.reading import (
 from .flow.deposition import solve_deposition as solve_deposition
 from .flow.problem import (
     BeadDeposition as BeadDeposition,
+    BeadNumerics as BeadNumerics,
     Deposition as Deposition,
     FlowNumerics as FlowNumerics,
     Nozzle as Nozzle,
 )
-from .flow.space.bead import (
-    BeadNumerics as BeadNumerics,
-    solve_bead as solve_bead,
-)
+from .flow.space.bead import solve_bead as solve_bead
 from .flow.streamlines import trace_streamlines as trace_streamlines
 from .flow.vtu import write_vtu as write_vtu
 from .front import (

@@ -73,6 +73,7 @@ PERCENT, DEGREES = 100.0, 180.0 / math.pi
 
 SHOWN = {
     "mm": MM,
+    "mm²": MM**2,
     "µm": UM,
     "nm": NM,
     "ms": MS,

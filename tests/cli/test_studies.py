@@ -203,10 +203,14 @@ def quick(tmp_path) -> Path:
     return study
 
 
-CLOSED = {"standard error": (2,), "standard output": (1,), "all three": (0, 1, 2)}
-
-
-@pytest.mark.parametrize("numbers", CLOSED.values(), ids=CLOSED)
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        pytest.param((2,), id="standard error", marks=pytest.mark.slow),
+        pytest.param((1,), id="standard output", marks=pytest.mark.slow),
+        pytest.param((0, 1, 2), id="all three"),
+    ],
+)
 def test_a_daemon_starts_it_with_closed_streams(tmp_path, quick, numbers):
     """What it computes is there, and no file of its own had the number of a standard stream."""
     done = subprocess.run(

@@ -10,7 +10,7 @@ import pytest
 from patience import PATIENCE
 
 from fibermelt.engine import runner
-from fibermelt.engine.helper import Helper, HelperLostError
+from fibermelt.engine.helper import Helper, HelperLostError, helped, one_helper
 from fibermelt.errors import ConvergenceError
 
 FLOW, CELL, MOTION = fakes.STAGES
@@ -101,3 +101,36 @@ def test_what_cannot_be_handed_over_is_lost():
         helper.call("operator:add", lambda: None)
     helper.kill()
     helper.close()
+
+
+def test_one_after_the_other_is_helped_by_one_process():
+    found = []
+
+    def work(helper):
+        found.append(helper.call("fakes:process_of"))
+
+    with one_helper():
+        for _ in range(2):
+            with helped(work):
+                pass
+    with helped(work):
+        pass
+    assert found[0] == found[1] != found[2]
+
+
+def test_who_is_lost_helps_nobody_else():
+    found = []
+
+    def is_lost(helper):
+        with pytest.raises(HelperLostError):
+            helper.call("operator:add", lambda: None)
+
+    def work(helper):
+        found.append(helper.call("fakes:process_of"))
+
+    with one_helper():
+        with helped(is_lost):
+            pass
+        with helped(work):
+            pass
+    assert len(found) == 1

@@ -19,7 +19,7 @@ from fibermelt.fiber import (
     unbounded_ellipse,
 )
 from fibermelt.fiber.thinning import BLOCK
-from fibermelt.fiber.thinning_motion import _turning
+from fibermelt.fiber.thinning_motion import DIRECTIONS, FEWEST, TABLE_TOLERANCE, _turning
 from fibermelt.history import FlowHistory
 from fibermelt.melt import CarreauYasuda, Newtonian
 
@@ -54,8 +54,7 @@ def test_a_newtonian_table_is_the_linear_fiber() -> None:
     path, found = history(), table()
     linear = follow(path, LINEAR.shape_factor, paper_angles())
     motion = follow(path, found, paper_angles())
-    # the integration's tolerance
-    assert np.max(np.abs(motion.angle - linear.angle)) < 1e-6
+    assert np.max(np.abs(motion.angle - linear.angle)) < TABLE_TOLERANCE
     assert np.max(np.abs(motion.spin - linear.spin)) < 1e-5
     exact = surface_pressure(path, LINEAR, 817.0, linear)
     pressure = surface_pressure(path, found, MELT, motion)
@@ -74,12 +73,21 @@ def test_a_newtonian_table_is_the_linear_fiber() -> None:
 @pytest.mark.parametrize("strength", [1.0, 6.0])
 def test_steep_intervals_are_integrated_for_the_fibers_themselves(strength: float) -> None:
     path, found = history(12, strength), table()
-    assert np.any(_turning(path, found, 1e-6).steep) == (strength == 6.0)
+    assert np.any(_turning(path, found, TABLE_TOLERANCE).steep) == (strength == 6.0)
     angles = np.linspace(-7.0, 9.0, 33)  # more than a turn
     motion = follow(path, found, angles)
     linear = follow(path, LINEAR.shape_factor, angles)
-    # the integration's tolerance
-    assert np.max(np.abs(motion.angle - linear.angle)) < 1e-6
+    assert np.max(np.abs(motion.angle - linear.angle)) < TABLE_TOLERANCE
+
+
+def test_intervals_take_as_many_directions_as_they_need() -> None:
+    # of a melt with one term an interval's function has few harmonics; a longer one has more
+    counts = []
+    for points in (3000, 300, 60):
+        spectrum = np.abs(_turning(history(points), table(), TABLE_TOLERANCE).spectrum)
+        counts.append(int(np.count_nonzero(spectrum.max(axis=(0, 1)))))
+    assert counts[0] == FEWEST // 2 < counts[-1] <= DIRECTIONS // 2
+    assert counts == sorted(counts)
 
 
 def test_quantiles_are_those_of_the_linear_response() -> None:

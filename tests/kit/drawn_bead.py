@@ -15,6 +15,7 @@ from fibermelt.engine.quantities import labelled
 from fibermelt.engine.toml import as_toml
 from fibermelt.flow.lagrange import LagrangeTriangle
 from fibermelt.parts.melt.cards import load_card
+from fibermelt.parts.voids.bubbles import Nuclei
 from fibermelt.parts.voids.melt import moist_melt
 from fibermelt.parts.voids.stages import assess_bead
 from fibermelt.study.quantities import QUANTITIES
@@ -90,14 +91,16 @@ def rescaled(
     )
 
 
-def with_voids(bead: xr.Dataset, viscosity: float = 817.0) -> xr.Dataset:
-    """Return a bead with what its voids part finds."""
+def with_voids(
+    bead: xr.Dataset, viscosity: float = 817.0, nuclei: Nuclei | None = None
+) -> xr.Dataset:
+    """Return a bead with what its voids part finds; without nuclei nothing grows."""
     stages = dict.fromkeys(("streamlines", "cell", "motion"), bead)
     melt = moist_melt(load_card("paper"), moisture=0.0004, temperature=503.15)
     bare = bead.drop_vars(
         [name for name in bead.variables if str(name).startswith(("void_", "severity_"))]
     )
-    return bare.merge(assess_bead(stages, viscosity, melt, layers=6))
+    return bare.merge(assess_bead(stages, viscosity, melt, layers=6, nuclei=nuclei))
 
 
 def _flow() -> dict[str, Any]:

@@ -7,12 +7,14 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from drawn_bead import made_up
+from drawn_bead import made_up, with_voids
+from round_bead import BEAD_PROBLEM, DIAMETER
 from suspended_fibers import interacting, oriented
 from turned_fibers import compared, turned
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.parts.thinning.stages import CAUSES
+from fibermelt.parts.voids.bubbles import Nuclei
 from fibermelt.study.quantities import QUANTITIES
 
 __all__ = ["CASES", "INDICES", "MODELS", "case", "effects"]
@@ -66,6 +68,12 @@ def _thinning() -> xr.Dataset:
     return bead.merge(law).assign_attrs(config=config + rest[1] + rest[2])
 
 
+def _with_bubbles() -> xr.Dataset:
+    """Return a bead of a few streamlines with nuclei at the tips of its fibers."""
+    nuclei = Nuclei(1e-6, 1.0, 0.5, 42e-6, 7e-6, 7e-6, 0.08, in_space=False)
+    return with_voids(made_up(count=4, angles=3), nuclei=nuclei)
+
+
 def _with_stations() -> xr.Dataset:
     """Return fibers along paths of a flow that was not solved here, through a nozzle."""
     bead = made_up(count=6)
@@ -85,6 +93,60 @@ def _in_space() -> xr.Dataset:
     flat = _from_elsewhere()
     rise = np.linspace(-1e-3, 1e-3, flat.sizes["streamline"])
     return flat.assign(z=(flat["x"].dims, np.broadcast_to(rise[:, None], flat["x"].shape)))
+
+
+def _round_bead() -> xr.Dataset:
+    """Return fibers in a bead in space of a guessed shape, whose paths end across its section."""
+    from fibermelt.flow.mesh import scaled  # noqa: PLC0415
+    from fibermelt.flow.space.guess import BeadGuess  # noqa: PLC0415
+    from fibermelt.flow.space.tube import Tube, _disc, _tetrahedra  # noqa: PLC0415
+
+    nozzle = scaled(BEAD_PROBLEM.nozzle)
+    guess = BeadGuess(nozzle, BEAD_PROBLEM.speed_ratio, 0.01)
+    tube = Tube.graded(guess.stations, 0.2, 0.5, 12, 0.5)
+    disc, triangles = _disc(tube.rings, tube.sectors)
+    layers = len(tube.layers)
+    places = guess(np.repeat(tube.layers, len(disc)), np.tile(disc, (layers, 1)))
+    places[:, 2] = np.maximum(places[:, 2], 0.0)
+    cells = _tetrahedra(triangles, layers, len(disc))
+    flat = _from_elsewhere()
+    count = flat.sizes["streamline"]
+    radius, angle = np.linspace(0.3, 0.9, count), np.linspace(0.4, 2.7, count)
+    rows = ("streamline", "point")
+    drawn = {
+        name: (rows, np.broadcast_to(DIAMETER * values[:, None], flat["x"].shape))
+        for name, values in {
+            "y": np.linspace(0.1, 0.68, count),
+            "z": np.linspace(0.03, 0.5, count),
+        }.items()
+    }
+    numbers = {
+        "bead_height": 0.77,
+        "bead_width": 1.15,
+        "widest": 1.28,
+        "heel": -0.51,
+        "front": 0.03,
+        "wet_width": 0.7,
+        "film": 0.015,
+    }
+    solved = labelled(
+        {
+            "field_points": DIAMETER * places,
+            "field_cells": cells,
+            "strand_cells": cells,
+            **{name: DIAMETER * value for name, value in numbers.items()},
+            "elements": len(cells),
+            "unknowns": 32388,
+            "start_radius": radius,
+            "start_angle": angle,
+        },
+        QUANTITIES,
+    )
+    return (
+        flat.assign(drawn)
+        .drop_vars([*numbers, *("elements", "unknowns")], errors="ignore")
+        .merge(solved)
+    )
 
 
 def _of_turns(aspect_ratios: tuple[float, ...], count: int = 22, **changes: object) -> xr.Dataset:
@@ -116,6 +178,7 @@ def _of_another_closure() -> xr.Dataset:
 
 CASES: dict[str, Callable[[], xr.Dataset]] = {
     "bead": made_up,
+    "bubbles at tips": _with_bubbles,
     "one streamline, one angle": lambda: made_up(count=1, angles=1),
     "five marked streamlines": lambda: _marked(2, 6, 10, 14, 18, angles=13),
     "marked side by side": lambda: _marked(9, 10, 11),
@@ -123,6 +186,7 @@ CASES: dict[str, Callable[[], xr.Dataset]] = {
     "paths from elsewhere": _from_elsewhere,
     "paths with stations": _with_stations,
     "paths in space": _in_space,
+    "a bead in space": _round_bead,
     "turns": lambda: _of_turns((1.0, 6.0, 10.0)),
     "fibers that stall": lambda: _of_turns((1.0, 6.0), domain_size=4.0),
     "many turns": lambda: _of_turns(

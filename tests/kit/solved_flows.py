@@ -9,6 +9,7 @@ import pytest
 if TYPE_CHECKING:
     from fibermelt.flow.deposition import FlowSolution
     from fibermelt.flow.problem import Deposition
+    from fibermelt.flow.space.bead import BeadSolution
     from fibermelt.flow.streamlines import Streamline
 
 
@@ -34,6 +35,17 @@ def coarse_flow(paper_problem: Deposition) -> FlowSolution:
     from fibermelt.flow.problem import FlowNumerics  # noqa: PLC0415
 
     return solve_deposition(paper_problem, FlowNumerics().coarsened(4.0))
+
+
+@pytest.fixture(scope="session")
+def coarse_bead() -> BeadSolution:
+    """A bead in space on the coarsest mesh that Newton converges on: 25 s on a quiet core."""
+    from round_bead import BEAD_COARSE, BEAD_PROBLEM  # noqa: PLC0415
+
+    from fibermelt.flow.problem import BeadNumerics  # noqa: PLC0415
+    from fibermelt.flow.space.bead import solve_bead  # noqa: PLC0415
+
+    return solve_bead(BEAD_PROBLEM, BeadNumerics(**BEAD_COARSE))
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from fibermelt.levers.cases import Case
@@ -9,6 +10,10 @@ from fibermelt.levers.recommend import proposals, ratio
 from fibermelt.levers.steps import Step, steps_of
 from fibermelt.parts.voids.answer import dry_enough
 from fibermelt.study.loading import load_study
+
+
+def case(*fibers: float) -> Case:
+    return Case(fibers=np.array(fibers))
 
 
 def values(study: str = "paper", **changes: object) -> dict[str, object]:
@@ -25,11 +30,51 @@ def test_a_temperature_is_moved_only_where_the_viscosity_follows_it() -> None:
     assert "temperature of the melt" in names(**{"melt.activation_temperature": "10000 K"})
 
 
-def test_a_printers_nozzle_is_told_as_the_slot_that_stands_for_it() -> None:
-    of_printer = {step.lever for step in steps_of(values("pellet"))}
-    assert "slot that stands for the nozzle" in of_printer
-    assert "nozzle diameter" not in of_printer
-    assert "nozzle diameter" in names()
+@pytest.mark.parametrize("study", ["pellet", "filament"])
+def test_a_printer_is_moved_by_what_its_file_says(study: str) -> None:
+    """What is pasted there moves the plane: by one factor each, or as mass balance has it."""
+    base = values(study)
+    of_printer = {step.lever: step.settings for step in steps_of(base)}
+    keys = {key for settings in of_printer.values() for key in settings}
+    assert {key for key in keys if key.startswith("flow.")} == {"flow.capillary_length"}
+    moved = {
+        "print speed and flow together": {"flow.inlet_speed": 0.95, "flow.bed_speed": 0.95},
+        "width of the bead": {"flow.inlet_speed": 1.05, "flow.bed_speed": 1.0},
+        "layer height": {"flow.gap": 0.95, "flow.inlet_speed": 0.95},
+        "nozzle diameter": {
+            "flow.capillary_width": 0.95,
+            "flow.capillary_length": 0.95,
+            "flow.inlet_speed": 0.95**-2,
+            "flow.gap": 1.0,
+        },
+        "fiber content": {"interaction.volume_fraction": 0.8},
+    }
+    for lever, factors in moved.items():
+        found = values(study, **of_printer[lever])
+        assert {key: found[key] / base[key] for key in factors} == pytest.approx(factors, rel=1e-12)
+
+
+@pytest.mark.parametrize("key", ["process.flow_rate", "process.mass_flow"])
+def test_a_flow_that_is_said_goes_with_the_print_speed(key: str) -> None:
+    said = {"process.flow_rate": "3.2 cm^3/s", "process.mass_flow": "14 kg/h"}
+    base = values("pellet", **{key: said[key]})
+    by_name = {step.lever: step for step in steps_of(base)}
+    together = by_name["print speed and flow together"].settings
+    assert together == pytest.approx({name: 0.95 * base[name] for name in together}, rel=1e-12)
+    assert set(together) == {"process.print_speed", key}
+    assert set(by_name["flow at the same print speed and layer height"].settings) == {key}
+    assert by_name["layer height"].costs == ""
+
+
+def test_what_the_plane_says_itself_is_moved_there() -> None:
+    """``flow.gap`` wins over the layer height, which then moves no gap."""
+    of_both = {
+        step.lever: step.settings for step in steps_of(values("pellet", **{"flow.gap": 4e-3}))
+    }
+    assert of_both["gap between nozzle and bed"] == pytest.approx({"flow.gap": 3.8e-3})
+    assert "layer height" not in of_both
+    wider = values("pellet", **{"flow.gap": 4e-3, **of_both["width of the bead"]})
+    assert wider["flow.gap"] == 4e-3
 
 
 def test_both_speeds_go_by_one_factor_and_back_by_as_much() -> None:
@@ -50,8 +95,8 @@ GAP, NOZZLE, SLOW = (
 
 
 def test_what_helps_goes_together_and_what_hurts_is_turned_round() -> None:
-    weighed = [(GAP, Case(fibers=2.2)), (NOZZLE, Case(fibers=1.0)), (SLOW, Case(fibers=0.1))]
-    tried = proposals(weighed, Case(fibers=2.0), {}, BASE)
+    weighed = [(GAP, case(2.2)), (NOZZLE, case(1.0)), (SLOW, case(0.1))]
+    tried = proposals(weighed, case(2.0), {}, BASE)
     turned = pytest.approx(3.15)
     assert tried[0] == {"flow.capillary_width": 1.9, "flow.gap": turned}
     assert tried[1] == {"flow.capillary_width": 1.9}
@@ -60,8 +105,8 @@ def test_what_helps_goes_together_and_what_hurts_is_turned_round() -> None:
 
 
 def test_within_the_flows_error_nothing_helps() -> None:
-    weighed = [(GAP, Case(fibers=1.995)), (NOZZLE, Case(fibers=2.005))]
-    assert proposals(weighed, Case(fibers=2.0), {}, BASE) == []
+    weighed = [(GAP, case(1.995)), (NOZZLE, case(2.005))]
+    assert proposals(weighed, case(2.0), {}, BASE) == []
 
 
 def test_a_melt_that_boils_is_dried_to_half_of_where_it_boils() -> None:
@@ -75,13 +120,25 @@ def test_a_melt_that_boils_is_dried_to_half_of_where_it_boils() -> None:
     assert target(None, 1.7e-3) is None
     dried = {"voids.moisture": 9.0e-5}
     halved = Step("moisture", {"voids.moisture": 4e-4})
-    weighed = [(halved, Case(fibers=0.5)), (GAP, Case(fibers=1.0))]
-    tried = proposals(weighed, Case(fibers=2.0), dried, BASE)
+    weighed = [(halved, case(0.5)), (GAP, case(1.0))]
+    tried = proposals(weighed, case(2.0), dried, BASE)
     assert tried == [{**dried, "flow.gap": 2.85}, dried]
 
 
 def test_nothing_has_no_share() -> None:
-    assert ratio(1.0, 0.0) is None
-    assert ratio(float("nan"), 1.0) is None
-    assert ratio(1.0, 4.0) == 0.25
-    assert ratio(0.02, 0.04) is None
+    assert ratio(case(1.0), case(0.0)) is None
+    assert ratio(Case(reason="no surface"), case(1.0)) is None
+    assert ratio(case(1.0), case(4.0)) == 0.25
+    assert ratio(case(0.02), case(0.04)) is None
+
+
+def test_a_streamline_that_only_one_setting_keeps_is_no_effect_of_it() -> None:
+    """Twice as much on each that both keep; means over what each keeps would say 3/2 and 4."""
+    base, moved = case(1.0, np.nan, 2.0, 5.0), case(2.0, 8.0, 4.0, np.nan)
+    assert ratio(moved, base) == pytest.approx(2.0, rel=1e-12)
+    assert ratio(base, moved) == pytest.approx(0.5, rel=1e-12)
+    assert ratio(case(np.nan, 1.0), case(1.0, np.nan)) is None
+
+
+def test_volumes_of_gas_add_up() -> None:
+    assert Case(gas=np.array([0.5, np.nan, 1.5])).void_fraction == pytest.approx(0.5, rel=1e-12)

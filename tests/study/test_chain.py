@@ -16,10 +16,11 @@ from fibermelt.study.config import Config
 from fibermelt.study.loading import load_study, preset_names, resolve
 
 DEFAULTS = resolve({}).values()
-NOT_OF_THE_FIBER = {"flow", "field", "streamlines", "verification"}
+NOT_OF_THE_FIBER = {"flow", "strand", "field", "streamlines", "verification"}
 OF_THE_FIBER = {stage.name for stage in CHAIN.stages} - NOT_OF_THE_FIBER
 BELOW_FLOW = {
-    *("streamlines", "motion", "orientation", "dimensions", "thinning", "voids", "claims"),
+    *("streamlines", "motion", "surroundings", "orientation", "dimensions", "thinning"),
+    *("voids", "plane", "claims"),
 }
 
 
@@ -63,24 +64,33 @@ def test_stages_come_after_their_inputs():
 @pytest.mark.parametrize(
     ("key", "changed"),
     [
-        ("flow.gap", BELOW_FLOW | {"flow"}),
+        ("flow.gap", BELOW_FLOW | {"flow", "strand"}),
         ("streamlines.count", BELOW_FLOW),
         ("fiber.aspect_ratio", OF_THE_FIBER),
         ("interaction.volume_fraction", {"content", "orientation", "voids", "claims"}),
         ("interaction.model", {"orientation", "claims"}),
         ("sensitivity.shear_rate", {"orbits"}),
-        ("fiber.initial_angles", {"motion", "dimensions", "thinning", "voids", "claims"}),
-        ("numerics.isotropic_angles", {"motion", "voids", "claims"}),
+        (
+            "fiber.initial_angles",
+            {"motion", "surroundings", "dimensions", "thinning", "voids", "plane", "claims"},
+        ),
+        (
+            "numerics.isotropic_angles",
+            {"motion", "surroundings", "voids", "plane", "claims"},
+        ),
         ("voids.moisture", {"voids"}),
         ("thinning.rate", {"thinning"}),
-        ("numerics.thinning_order", {"response", "motion", "thinning", "voids", "claims"}),
-        ("fiber.melt", {"motion", "voids", "claims"}),
+        (
+            "numerics.thinning_order",
+            {"response", "motion", "surroundings", "thinning", "voids", "plane", "claims"},
+        ),
+        ("fiber.melt", {"motion", "surroundings", "voids", "plane", "claims"}),
         ("melt.temperature", {"voids"}),
         ("melt.density", {"voids"}),
         # The flow itself is that of any Newtonian melt; who is fed it sees it in its own scale.
         (
             "law.viscosity",
-            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"streamlines"},
+            OF_THE_FIBER - {"stall", "content", "cell", "interaction"} | {"strand", "streamlines"},
         ),
         ("study.ladder", {"verification"}),
     ],

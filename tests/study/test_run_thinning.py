@@ -63,6 +63,25 @@ def test_fibers_stay_within_the_bounds(found: dict[str, Computed]) -> None:
     assert float(lowest.min()) > -slack
 
 
+def test_the_flow_around_a_fiber_is_solved_where_it_is_lowest(found: dict[str, Computed]) -> None:
+    """The cell, solved once, has the pressure that the table has, and the fiber turns in it."""
+    results = found["law"].results
+    around = {name: results[f"around_{name}"].to_numpy() for name in ("point", "pressure")}
+    at = results.sel(
+        streamline=int(results["around_streamline"]),
+        initial_angle=float(results["around_initial_angle"]),
+    )
+    when = int(np.argmin(np.abs(at["time"].to_numpy() - float(results["around_time"]))))
+    lowest = float(at["lowest"][when])
+    x, y = around["point"].T
+    surface = np.hypot(x, y * float(results["aspect_ratio"])) < 1.0 + 1e-6
+    # the table's own error over the largest pressure, and nodes that miss the lowest
+    assert around["pressure"][surface].min() == pytest.approx(lowest, rel=2e-2)
+    assert around["pressure"].min() == around["pressure"][surface].min()
+    assert float(at["extreme_time"].sel(location=1, kind="min")) == float(results["around_time"])
+    assert "around_pressure" not in found["local-viscosity"].results
+
+
 def test_the_approximation_is_told(found: dict[str, Computed]) -> None:
     assert found["law"].summary.get("notes", []) == []
     (note,) = found["local-viscosity"].summary["notes"]

@@ -87,7 +87,9 @@ def test_surface_tension_holds_what_is_smaller_than_critical() -> None:
     critical = 2 * 0.02 / 2e5
     around = Surroundings([0.0, 1.0], [1e5, 1e5], MU)
     found = grow(around, melt, [0.9 * critical, 1.1 * critical], VAST, [0.1])
-    assert found.radius[0] == pytest.approx(np.full(13, 0.9 * critical), rel=1e-12)
+    assert found.radius[0] == pytest.approx(
+        np.full(found.radius.shape[1], 0.9 * critical), rel=1e-12
+    )
     assert found.radius[1, -1] > 2 * critical
 
 
@@ -99,27 +101,30 @@ def scriven(beta):
     return 2 * beta**3 * inside
 
 
-def driven_by_diffusion(beta, shells, monkeypatch):
+def driven_by_diffusion(beta, ratio, monkeypatch):
     """Return ``(R^2)'/(4 beta^2 D)`` of a bubble in a melt that resists nothing, once it is large.
 
     From ten to thirty times the nucleus; whatever the start was is then 1 % of ``R^2``, and no part
     of its rate.
     """
-    monkeypatch.setattr(growth, "SHELLS", shells)
+    monkeypatch.setattr(growth, "RATIO", ratio)
     D, p, gas = 1e-10, 1e5, BubbleMelt(0.0, 1.0, 0.0, 0.0, 500.0).gas
     k = 1e-5
     melt = BubbleMelt(p + scriven(beta) * p / gas / k, k, D, 0.0, 500.0)
     end = (30 * R_0) ** 2 / (4 * beta**2 * D)
     around = Surroundings([0.0, end], [p, p], 1e-9 * p * end)
     found = grow(around, melt, R_0, 1e-10, [end / 9, end], 1e-3)
-    R, t = found.at_stations("radius"), found.time[12::12]
+    R, t = (found.at_stations(name) for name in ("radius", "time"))
     return (R[1] ** 2 - R[0] ** 2) / (t[1] - t[0]) / (4 * beta**2 * D)
 
 
 @pytest.mark.parametrize("beta", [0.1, 1.0, 5.0])
 def test_growth_by_diffusion_is_scrivens(beta, monkeypatch) -> None:
     """From steady layers (beta = 0.1) to thin ones (5, where ``beta = sqrt(3/pi) Ja``)."""
-    coarse, fine = (abs(driven_by_diffusion(beta, n, monkeypatch) - 1) for n in (12, 24))
+    coarse, fine = (
+        abs(driven_by_diffusion(beta, ratio, monkeypatch) - 1)
+        for ratio in (growth.RATIO, math.sqrt(growth.RATIO))
+    )
     # Second order in the logarithm of the shells' ratio, which halves: a factor of 4.
     assert coarse < 0.1
     assert fine < 0.4 * coarse
@@ -173,7 +178,7 @@ def test_nuclei_at_once_are_nuclei_one_by_one() -> None:
     found = grow(
         Surroundings(t[:, :, None], p[:, :, None], MU), ABS, nuclei, CELL, told[:, :, None]
     )
-    assert found.radius.shape == (2, 3, 2, 25)
+    assert found.radius.shape == (2, 3, 2, 2 * growth.STEPS + 1)
     for i in range(2):
         for j in range(3):
             for k in range(2):
@@ -304,7 +309,7 @@ def test_what_is_no_path_or_no_nucleus_is_refused(given_, kind, message) -> None
     around = Surroundings(**{name: given_.get(name, one) for name, one in usual.items()})
     radius, stations = given_.get("radius", R_0), given_.get("stations", [1.0])
     if kind is None:
-        assert grow(around, ABS, radius, CELL, stations).radius.shape == (2, 13)
+        assert grow(around, ABS, radius, CELL, stations).radius.shape == (2, growth.STEPS + 1)
         return
     with pytest.raises(kind, match=message):
         grow(around, ABS, radius, CELL, stations)

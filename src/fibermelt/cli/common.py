@@ -55,8 +55,8 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it (128 + SIGINT)."""
 
 SHIPPED = (
-    "paper, pellet, filament, sensitivity, interaction, thinning; sweeps: nozzle, window, "
-    "viscosity-speed, aspect-content, population, uncertain"
+    "paper, pellet, filament, bead, sensitivity, interaction, thinning; sweeps: nozzle, window, "
+    "bead-window, viscosity-speed, aspect-content, population, uncertain"
 )
 """The studies that come along, in words: a test holds them to the files that are there."""
 

@@ -13,13 +13,17 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from threading import Thread
 from typing import Any
 
 from fibermelt.engine.named import named
 from fibermelt.engine.stages import Say
 
-__all__ = ["Helper", "HelperLostError", "helped"]
+__all__ = ["Helper", "HelperLostError", "helped", "one_helper"]
+
+_IDLE: ContextVar[list[Helper] | None] = ContextVar("_IDLE", default=None)
+"""Who waits for the next who asks, within `one_helper`."""
 
 
 def _ignore(line: str) -> None:
@@ -34,6 +38,7 @@ class Helper:
     """The second process."""
 
     def __init__(self) -> None:
+        self.is_lost = False
         self._process = subprocess.Popen(
             [sys.executable, "-m", "fibermelt.engine.helper"],
             stdin=subprocess.PIPE,
@@ -71,6 +76,7 @@ class Helper:
                 say(told)
         # AttributeError: a function within a function cannot be pickled.
         except (OSError, EOFError, ValueError, AttributeError, pickle.PickleError) as error:
+            self.is_lost = True
             raise HelperLostError from error
 
     def kill(self) -> None:
@@ -84,6 +90,20 @@ class Helper:
 
 
 @contextmanager
+def one_helper() -> Iterator[None]:
+    """Have all who are `helped` meanwhile helped by one process, which ends with this."""
+    idle: list[Helper] = []
+    token = _IDLE.set(idle)
+    try:
+        yield
+    finally:
+        _IDLE.reset(token)
+        for helper in idle:
+            helper.kill()
+            helper.close()
+
+
+@contextmanager
 def helped(work: Callable[[Helper], None]) -> Iterator[None]:
     """Have a helper at work while the caller is, and wait for it at the end.
 
@@ -94,16 +114,22 @@ def helped(work: Callable[[Helper], None]) -> Iterator[None]:
     work : callable
         Has the helper do what there is, in a thread of its own; it ends where the helper is lost.
     """
-    helper = Helper()
+    idle = _IDLE.get()
+    helper = idle.pop() if idle else Helper()
     thread = Thread(target=work, args=(helper,), daemon=True)
     thread.start()
+    is_done = False
     try:
         yield
         thread.join()
+        is_done = True
     finally:
-        helper.kill()
-        thread.join()
-        helper.close()
+        if is_done and idle is not None and not helper.is_lost:
+            idle.append(helper)
+        else:
+            helper.kill()
+            thread.join()
+            helper.close()
 
 
 def _main() -> None:

@@ -27,6 +27,11 @@ Address = str | Callable[..., Any]
 """A function, or where it is: ``"fibermelt.parts.bead.summary:summarize_bead"``."""
 
 
+def _no_stages(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return no stage: most parts need the same in every study."""
+    return ()
+
+
 def _nothing(results: xr.Dataset) -> dict[str, Any]:
     """Return what a part says that cannot be asked for."""
     return {}
@@ -68,6 +73,8 @@ class Part:
         What ``study.parts`` calls it.
     stages : tuple of str
         The stages that it needs; those who feed them come along.
+    stages_if : callable
+        From the resolved study to stages that it needs besides, in some studies only.
     summarize : address
         From the results to its share of summary.json.
     words : address
@@ -117,6 +124,7 @@ class Part:
     attributes: Address | None = None
     renew: Mapping[str, Address] = field(default_factory=dict)
     lend: Address | None = None
+    stages_if: Callable[[Mapping[str, Value]], tuple[str, ...]] = _no_stages
 
 
 @dataclass(frozen=True)
@@ -153,7 +161,7 @@ class Chain:
                 found[name] = by_name[name]
 
         for part in self.asked(names):
-            for name in part.stages:
+            for name in part.stages + part.stages_if(values):
                 come(name)
         return tuple(found.values())
 

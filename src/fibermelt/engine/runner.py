@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibermelt.engine.execution import execute, software_versions
 from fibermelt.engine.files import canonical, digest, write_through
-from fibermelt.engine.helper import Helper, HelperLostError, helped
+from fibermelt.engine.helper import Helper, HelperLostError, helped, one_helper
 from fibermelt.engine.named import named
 from fibermelt.engine.netcdf import to_bytes
 from fibermelt.engine.outputs import is_published, publish
@@ -97,7 +97,8 @@ def run_study(
         run.observer.done("store", "stages/store.json was missing or damaged: written anew")
     store = Store.open(directory, fresh=fresh)
     try:
-        return run.into(store, fresh=fresh)
+        with one_helper():
+            return run.into(store, fresh=fresh)
     finally:
         store.discard_if_empty()
 

@@ -99,6 +99,7 @@ if TYPE_CHECKING:
         solve_thinning,
         solve_thinning_spheroid,
         thinning_flow_around,
+        thinning_surroundings,
     )
 
 __all__ = [
@@ -183,6 +184,7 @@ __all__ = [
     "statistics",
     "surface_pressure",
     "thinning_flow_around",
+    "thinning_surroundings",
     "tumble",
     "turn_times",
     "turned_angle",
@@ -201,6 +203,7 @@ OF_CELLS = (
     "solve_thinning",
     "solve_thinning_spheroid",
     "thinning_flow_around",
+    "thinning_surroundings",
 )
 """What needs the finite elements."""
 

@@ -19,7 +19,7 @@ from fibermelt.fiber.models import FiberModel
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.spheroid import Spheroid, embed_planar
 
-__all__ = ["FlowAround", "Surroundings", "surroundings"]
+__all__ = ["FlowAround", "Surroundings", "strain_at", "surroundings", "turned_to_flow"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -93,13 +93,51 @@ class Surroundings:
         viscosity : float
             ``mu`` [Pa s].
         """
-        cos, sin = np.cos(angle), np.sin(angle)
-        turn = np.array([[cos, -sin], [sin, cos]])
-        L = turn.T @ gradient @ turn
-        strain = np.array([0.5 * (L[0, 0] - L[1, 1]), 0.5 * (L[0, 1] + L[1, 0])])
+        strain, spin = strain_at(gradient, angle)
         local = np.einsum("nmi,m->ni", self.velocity, strain)
-        local += 0.5 * (L[1, 0] - L[0, 1]) * np.stack([-self.points[:, 1], self.points[:, 0]], -1)
-        return FlowAround(local @ turn.T, viscosity * self.pressure @ strain)
+        return turned_to_flow(self.points, local, viscosity * self.pressure @ strain, spin, angle)
+
+
+def strain_at(gradient: Array, angle: float) -> tuple[Array, float]:
+    """Return the strain ``D_11, D_12`` [1/s] in a fiber's axes, and the melt's spin ``W_21``.
+
+    Parameters
+    ----------
+    gradient : (2, 2) array
+        ``L_ij`` along the flow's axes [1/s].
+    angle : float
+        Of the fiber from the flow's x axis [rad].
+    """
+    turn = _rotation(angle)
+    L = turn.T @ gradient @ turn
+    strain = np.array([0.5 * (L[0, 0] - L[1, 1]), 0.5 * (L[0, 1] + L[1, 0])])
+    return strain, float(0.5 * (L[1, 0] - L[0, 1]))
+
+
+def turned_to_flow(
+    points: Array, velocity: Array, pressure: Array, spin: float, angle: float
+) -> FlowAround:
+    """Return the flow around a fiber, known in its axes of a melt that only strains, in the flow's.
+
+    Parameters
+    ----------
+    points, velocity : (N, 2) array
+        In the fiber's axes [half-lengths, half-lengths/s].
+    pressure : (N,) array
+        Less the melt's own [Pa].
+    spin : float
+        Of the melt [1/s]; a fiber free of torque turns as much faster, and so does all around it.
+    angle : float
+        Of the fiber from the flow's x axis [rad].
+    """
+    local = velocity + spin * np.stack([-points[:, 1], points[:, 0]], axis=-1)
+    return FlowAround(local @ _rotation(angle).T, pressure)
+
+
+def _rotation(angle: float) -> Array:
+    """Return the matrix from the fiber's axes to the flow's."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin], [sin, cos]])
 
 
 def surroundings(model: FiberModel) -> Surroundings:

@@ -21,7 +21,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ from fibermelt.melt import PowerLaw, ViscosityLaw
 __all__ = ["UNBOUNDED_SIZE", "SpinSeries", "ThinningResponse", "bending_rates", "table_rates"]
 
 Array = NDArray[np.float64]
+Values = TypeVar("Values", NDArray[np.float64], NDArray[np.complex128])
 
 KNOTS = 1024
 """Intervals of ``phi`` in a quarter turn between which extremes are linear: a change of place on
@@ -265,6 +266,11 @@ class ThinningResponse:
         rates, phases = np.broadcast_arrays(np.asarray(rate, float), np.asarray(phase, float))
         return self.series(rates)(phases)
 
+    @property
+    def terms(self) -> int:
+        """Return how many terms of ``omega`` are more than the cells' own error."""
+        return int(self._kept.shape[1])
+
     @cached_property
     def _kept(self) -> Array:
         """Return the terms of ``omega`` up to the last that is more than the cells' own error."""
@@ -334,15 +340,18 @@ class ThinningResponse:
         for line, phases in enumerate(phase.reshape(values.shape[1:])):
             for first in range(0, len(phases), step):
                 some = slice(first, first + step)
-                at = _Place.of(row[line], phases[some], *table.shape)
-                values[0, line, some] = at.read(table)
-                values[1, line, some] = at.read(self._opposite)
+                both = _Place.of(row[line], phases[some], *table.shape).read(self._both)
+                values[0, line, some], values[1, line, some] = both.real, both.imag
         return found[0], found[1]
 
     @cached_property
-    def _opposite(self) -> Array:
-        """Return the highest pressure over (fine rate, phi in [0, pi])."""
-        return np.ascontiguousarray(-self._table[0][:, ::-1])
+    def _both(self) -> NDArray[np.complex128]:
+        """Return lowest and highest pressure over (fine rate, phi in [0, pi]), to be read at once.
+
+        As real and imaginary parts.
+        """
+        table = self._table[0]
+        return np.asarray(table - 1j * table[:, ::-1])
 
     def _read(self, table: Array, rate: float | Array, phase: float | Array) -> Array:
         """Return a table's values, linear between its knots; even in the phase."""
@@ -391,7 +400,7 @@ class ThinningResponse:
         lowest: Array,
         highest: Array,
         tip: Array,
-        where: tuple[Array, Array] | None = None,
+        where: tuple[Array, Array, Array] | None = None,
     ) -> ThinningResponse:
         """Return the table of a fiber from what is known at some directions, its surface left out.
 
@@ -399,16 +408,18 @@ class ThinningResponse:
         ----------
         aspect_ratio, law, rate
             As for the class.
-        omega, lowest, highest, tip : (r, f) array
-            Spin over ``d``, extremes and tip pressure over ``eta d`` at ``phi = pi j/(2 (f - 1))``.
-            In between, lowest and highest pressure are one cubic spline over half a turn, ``l(pi -
-            phi) = -h(phi)``: as its place on the surface moves on, so does it, without a corner.
-        where : pair of (r, f) arrays, optional
-            Eccentric angles of lowest and highest pressure [rad], linear in between; 0, the tip, if
-            not known.
+        omega : (r, k) array
+            Spin over ``d`` at ``phi = pi j/(2 (k - 1))``.
+        lowest, highest, tip : (r, f) array
+            Extremes and tip pressure over ``eta d`` at ``f`` directions. In between, lowest and
+            highest pressure are one cubic spline over half a turn, ``l(pi - phi) = -h(phi)``: as
+            its place on the surface moves on, so does it, without a corner.
+        where : (f,), (r, f) and (r, f) arrays, optional
+            The directions [rad], from 0 up to pi/2, and eccentric angles of lowest and highest
+            pressure [rad], linear in between; evenly spread, and 0, the tip, if not known.
         """
         given = [np.asarray(part, dtype=np.float64) for part in (omega, lowest, highest, tip)]
-        phase = np.linspace(0.0, 0.5 * np.pi, given[0].shape[1])
+        phase = np.linspace(0.0, 0.5 * np.pi, given[1].shape[1]) if where is None else where[0]
         fine = np.linspace(0.0, 0.5 * np.pi, KNOTS + 1)
         half = np.concatenate([phase, np.pi - phase[-2::-1]])
         joined = CubicSpline(half, _joined(given[1], given[2]), axis=1)
@@ -417,7 +428,8 @@ class ThinningResponse:
         places = [np.zeros(low.shape)] * 2
         if where is not None:
             places = [
-                np.stack([_places(fine, phase, row) for row in np.asarray(part)]) for part in where
+                np.stack([_places(fine, phase, row) for row in np.asarray(part)])
+                for part in where[1:]
             ]
         return cls(
             aspect_ratio=aspect_ratio,
@@ -468,7 +480,7 @@ def _places(fine: Array, phase: Array, angle: Array) -> Array:
     on = np.unwrap(angle, period=np.pi)
     found = np.interp(fine, phase, on)
     left = np.minimum(np.searchsorted(phase, fine, side="right") - 1, phase.size - 2)
-    nearest = left + (fine - phase[left] > 0.5 * (phase[1] - phase[0]))
+    nearest = left + (fine - phase[left] > 0.5 * np.diff(phase)[left])
     jumps = np.abs(np.diff(on)) > JUMP
     return fold_angle(np.where(jumps[left], on[nearest], found))
 
@@ -512,17 +524,18 @@ class _Place:
         left, part = _fold(phase, width)
         return cls(upper * width + left, part, row - upper)
 
-    def read(self, table: Array) -> Array:
+    def read(self, table: Values) -> Values:
         """Return a table's values there, linear between its knots."""
         value = self._between(table.ravel())
         if len(table) > 1:
             value += self.weight * (self._between(table[1:].ravel()) - value)
         return value
 
-    def _between(self, flat: Array) -> Array:
+    def _between(self, flat: Values) -> Values:
         """Return values between two phases of a row."""
         value = flat.take(self.at)
         after = flat[1:].take(self.at)
         after -= value
         after *= self.part
-        return np.asarray(after + value)
+        after += value
+        return after

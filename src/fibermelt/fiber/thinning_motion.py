@@ -31,9 +31,9 @@ __all__ = ["TABLE_TOLERANCE", "ThinningMotion", "ThinningPressure", "follow_thin
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-TABLE_TOLERANCE = 1e-6
+TABLE_TOLERANCE = 1e-5
 """Angle error over a path [rad] that is left to the integration: the table's own is 1e-5 per unit
-of strain."""
+of strain, of which a bead has ten."""
 
 MOST_HALVINGS = 12
 """Halvings of an interval, as many as Magnus' steps of a Newtonian fiber may need."""
@@ -41,19 +41,21 @@ MOST_HALVINGS = 12
 LARGEST_TURN = 1.0
 """Strain times time of a first step: the pair's error is then its fifth power of a fraction."""
 
-DIRECTIONS = 64
-"""Angles over half a turn from which the intervals of a path are integrated. With 48 a fifth of the
+FEWEST, DIRECTIONS = 16, 64
+"""Angles over half a turn from which the intervals of a path are integrated: at first, and at most,
+doubled where they are too few. Most of a bead's take 32. With no more than 48 a fifth of the
 intervals was too steep on a path that strains by 0.4 an interval, with 64 one in thirty."""
 
 TAIL = 4
-"""Highest harmonics of an interval's function that have to be within its share of the tolerance."""
+"""Highest harmonics of an interval's function that have to be within its share of the tolerance.
+The series' own terms are odd; where all of these are known, the even ones tell what is not."""
 
-KNOTS = 256
+KNOTS = 128
 """Angles over half a turn at which the interpolant is read with its slope; the cubic between them
-is 1e-10 of what an interval turns by off."""
+is 1e-8 of what an interval turns by off."""
 
-PAIRS = 1 << 9
-"""Intervals that are integrated together: their arrays then stay in the cache."""
+TOGETHER = 1 << 14
+"""Angles that are integrated together: their arrays then stay in the cache."""
 
 BLOCK = 1 << 18
 """Values of interpolants that are kept at a time."""
@@ -216,18 +218,17 @@ class _Turning:
     steep: NDArray[np.bool_]
     steps: int
 
-    def maps(self, some: slice) -> list[tuple[Array, Array]]:
-        """Return the turn in each of some intervals at ``pi j/KNOTS``, and its slope a knot.
+    def maps(self, some: slice) -> NDArray[np.complex128]:
+        """Return the turn in each of some intervals at ``pi j/KNOTS``, its slope a knot beside it.
 
-        Flat, line after line.
+        As real and imaginary parts, which are then read at once; flat, line after line.
         """
         spectrum = np.moveaxis(self.spectrum[:, some], 1, 0)
         wave = 2j * np.arange(spectrum.shape[-1]) * (np.pi / KNOTS)
-        value, slope = (
-            KNOTS * np.fft.irfft(part, n=KNOTS, axis=-1).reshape(len(part), -1)
-            for part in (spectrum, wave * spectrum)
-        )
-        return list(zip(value, slope, strict=True))
+        found = np.empty((*spectrum.shape[:2], KNOTS), dtype=np.complex128)
+        found.real = KNOTS * np.fft.irfft(spectrum, n=KNOTS, axis=-1)
+        found.imag = KNOTS * np.fft.irfft(wave * spectrum, n=KNOTS, axis=-1)
+        return found.reshape(len(found), -1)
 
 
 @lru_cache(maxsize=1)
@@ -242,25 +243,39 @@ def _turning(path: FlowHistory, response: ThinningResponse, tolerance: float) ->
     ]
     melt = _Melt(path.time.reshape(-1, n), np.stack(fields, axis=-1), response)
     line, interval = (part.ravel() for part in np.indices(melt.step.shape))
-    start = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    begin = np.broadcast_to(start, (line.size, DIRECTIONS))
-    bound = tolerance / (n - 1)
-    after, most = _cross(melt, line, interval, begin, bound)
-    spectrum = np.fft.rfft(after - start, axis=-1)[:, :-1] / DIRECTIONS
-    steep = np.max(np.abs(spectrum[:, -TAIL:]), axis=-1) > bound
+    bound, most = tolerance / (n - 1), 1
+    spectrum = np.zeros((line.size, DIRECTIONS // 2), dtype=np.complex128)
+    left, count, terms = np.arange(line.size), FEWEST, response.terms
+    start = np.pi * np.arange(count) / count
+    turn: Array = np.empty(0)
+    while left.size and count <= DIRECTIONS:
+        begin = np.broadcast_to(start, (left.size, start.size))
+        after, taken = _cross(melt, line[left], interval[left], begin, bound)
+        most, found = max(most, taken), after - start
+        turn = found if count == FEWEST else np.stack([turn, found], -1).reshape(left.size, count)
+        harmonics = np.fft.rfft(turn, axis=-1)[:, :-1] / count
+        spectrum[left, : count // 2] = harmonics
+        tail = harmonics[:, -TAIL :: 2 if count >= 4 * terms else 1]
+        more = np.max(np.abs(tail), axis=-1) > bound
+        left, turn = left[more], turn[more]
+        start = np.pi * (np.arange(count) + 0.5) / count
+        count *= 2
+    steep = np.zeros(line.size, dtype=bool)
+    steep[left] = True
     shape = melt.step.shape
     return _Turning(melt, spectrum.reshape(*shape, -1), steep.reshape(shape), most)
 
 
-def _turned(maps: tuple[Array, Array], angle: Array) -> Array:
-    """Return angles (m, a) behind an interval, by a cubic between knots."""
+def _turned(turn: NDArray[np.complex128], angle: Array) -> Array:
+    """Return angles (m, a) behind an interval, by a cubic between the knots of its turn."""
     at = angle * (KNOTS / np.pi)
     left = np.floor(at)
     u = at - left
     knot, line = left.astype(np.intp), KNOTS * np.arange(len(angle))[:, None]
-    ends = [line + (knot + k) % KNOTS for k in (0, 1)]
-    (v, w), (s, t) = ([part.take(end) for end in ends] for part in maps)
-    bend, twist = 3.0 * (w - v) - 2.0 * s - t, s + t - 2.0 * (w - v)
+    before, after = (turn.take(line + (knot + k) % KNOTS) for k in (0, 1))
+    v, s, t = before.real, before.imag, after.imag
+    rise = after.real - v
+    bend, twist = 3.0 * rise - 2.0 * s - t, s + t - 2.0 * rise
     return np.asarray(angle + v + u * (s + u * (bend + u * twist)))
 
 
@@ -312,7 +327,7 @@ def _cross(
             raise ConvergenceError(msg)
         tried = left[first[left] <= halvings]
         count = 1 << halvings
-        for some in np.array_split(tried, 1 + tried.size // PAIRS):
+        for some in np.array_split(tried, 1 + tried.size * angle.shape[1] // TOGETHER):
             if some.size == 0:
                 continue
             now, errors = angle[some], np.zeros(some.size)
@@ -331,14 +346,15 @@ def _cross(
 
 def _step(stages: _Stages, angle: Array, step: Array) -> tuple[Array, Array]:
     """Return angles (m, k) after a step (m, 1) [s], and each line's worst error [rad]."""
-    rates: list[Array] = []
-    now = angle
+    rates, now = np.empty((len(NODES) + 1, *angle.shape)), angle
     for stage in range(len(NODES) + 1):
         at = min(stage, len(NODES) - 1)
-        omega = SpinSeries(stages.series[at])(stages.double[at] - 2.0 * now)
-        rates.append(stages.spin[at] + stages.size[at] * omega)
+        rate = rates[stage]
+        np.multiply(2.0, now, out=rate)
+        np.subtract(stages.double[at], rate, out=rate)
+        np.multiply(stages.size[at], SpinSeries(stages.series[at])(rate), out=rate)
+        rate += stages.spin[at]
         if stage < len(NODES):
-            slope = sum(w * rate for w, rate in zip(STAGES[stage], rates, strict=True) if w)
-            now = angle + step * slope
-    error = step * sum(w * rate for w, rate in zip(ERROR, rates, strict=True) if w)
-    return now, np.asarray(np.max(np.abs(error), axis=-1))
+            now = angle + step * np.tensordot(STAGES[stage], rates[: stage + 1], 1)
+    error = np.abs(np.tensordot(ERROR, rates, 1))
+    return now, np.asarray(step[:, 0] * np.max(error, axis=-1))

@@ -11,11 +11,23 @@ from fibermelt.declared import declared, refuse_beyond
 from fibermelt.errors import ConfigError, refuse_other
 from fibermelt.melt import ViscosityLaw
 
-__all__ = ["LOWEST_GAP", "BeadDeposition", "Deposition", "FlowNumerics", "Nozzle"]
+__all__ = [
+    "LOWEST_GAP",
+    "WET",
+    "BeadDeposition",
+    "BeadNumerics",
+    "Deposition",
+    "FlowNumerics",
+    "Nozzle",
+]
 
 
 LOWEST_GAP = 0.83
 """Gap over the height of the bead below which the melt climbs the paper's nozzle."""
+
+WET = 2.0
+"""The bed is wet where the surface lies this many films above it, or less. In the plane that is
+within 0.005 widths of where a sharp contact line lies."""
 
 EDGES = ("lip_edge", "contact_edge", "corner_edge", "surface_edge", "bulk_edge")
 SHORTEST_EDGE, LONGEST_EDGE = 1e-6, 0.5
@@ -252,3 +264,44 @@ class FlowNumerics:
             for name in EDGES
         }
         return replace(self, **edge)
+
+
+@dataclass(frozen=True)
+class BeadNumerics:
+    """How finely and how strictly a bead in space is solved; lengths in diameters of the capillary.
+
+    Parameters
+    ----------
+    flow_order : int
+        Polynomial degree of the velocity, 2 or 3; the pressure has one less.
+    lip_edge : float
+        Thickness of the layers at the lip, along the middle of the strand.
+    bulk_edge : float
+        Thickness of layers away from it.
+    rim_edge : float
+        Width of the outermost ring of the section.
+    sectors : int
+        Elements around half of the section, a multiple of four.
+    edge_growth : float
+        How fast edges may grow away from the lip and the rim: added length per distance.
+    film : float
+        Thickness of the film that is the bed; the answer is extrapolated from it and twice it.
+    flow_tolerance : float
+        Newton stops after a step that moves no mesh node further. It converges quadratically.
+    """
+
+    flow_order: int = declared(2, ge=2, le=3)
+    lip_edge: float = declared(0.06, ge=1e-3, le=0.5)
+    bulk_edge: float = declared(0.3, ge=0.05, le=0.5)
+    rim_edge: float = declared(0.05, ge=1e-3, le=0.25)
+    sectors: int = declared(16, ge=8, le=96)
+    edge_growth: float = declared(0.3, ge=0.05, le=1)
+    film: float = declared(0.015, ge=1e-3, le=0.05)
+    flow_tolerance: float = declared(2e-4, ge=1e-10, le=1e-3)
+
+    def __post_init__(self) -> None:
+        """Refuse numerics that no mesh can follow."""
+        refuse_beyond("numerics", self)
+        if self.sectors % 4:
+            msg = f"numerics.sectors = {self.sectors}: must be a multiple of four"
+            raise ConfigError(msg)

@@ -93,6 +93,8 @@ def advise(
     def solve(*changes: Mapping[str, float]) -> None:
         """Solve changed studies, those before among them: the folder's sweep is of all."""
         asked = list(dict.fromkeys([*solved, *(tuple(one.items()) for one in changes)]))
+        if solved and len(asked) == len(solved):
+            return
         several = [dict(one) for one in asked if one]
         cases = compare(directory, study, several, workers=workers, observer=observer)
         solved.update(zip([(), *filter(None, asked)], cases, strict=True))
@@ -109,8 +111,10 @@ def advise(
     for settings in proposals(weighed, once_dry, dried, values):
         solve(settings)
         found = case_of(settings)
-        is_worth = found.fibers < WORTH * once_dry.fibers
-        if settings == dried or (is_worth and not found.void_fraction > once_dry.void_fraction):
+        fibers, of_dry = found.beside(once_dry, "fibers")
+        gas, gas_of_dry = found.beside(once_dry, "gas")
+        is_worth = fibers < WORTH * of_dry
+        if settings == dried or (is_worth and not gas > gas_of_dry):
             recommended = settings
             break
     outcome = case_of(recommended)
@@ -170,15 +174,15 @@ def _lever(step: Step, case: Case, base: Case, values: Mapping[str, Any]) -> dic
 def _ratios(case: Case, base: Case) -> dict[str, float | None]:
     """Return what is left of either severity, and the void fraction."""
     return {
-        "fibers_ratio": ratio(case.fibers, base.fibers),
-        "melt_ratio": ratio(case.melt, base.melt),
+        "fibers_ratio": ratio(case, base),
+        "melt_ratio": ratio(case, base, "melt"),
         "void_fraction": _known(case.void_fraction),
     }
 
 
 def _once_dry(step: Step, case: Case, dry: Case) -> float | None:
     """Return what is left of a dried melt's severity; moisture has no such share."""
-    return None if MOISTURE in step.settings else ratio(case.fibers, dry.fibers)
+    return None if MOISTURE in step.settings else ratio(case, dry)
 
 
 def _known(value: float) -> float | None:

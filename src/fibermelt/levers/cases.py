@@ -7,14 +7,15 @@ start from the run's, they are solved on all cores, and what is there is not com
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from fibermelt.engine.stages import keys
 from fibermelt.engine.store import Store
 from fibermelt.errors import ConfigError
+from fibermelt.parts.voids.profile import gas_share
 from fibermelt.study.chain import CHAIN
 from fibermelt.study.loading import load_study
 from fibermelt.sweeps.collect import collect_sweep
@@ -24,8 +25,12 @@ from fibermelt.sweeps.runner import run_sweep
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from fibermelt.engine.progress import Observer
     from fibermelt.engine.tables import Tables
+
+    Array = NDArray[np.float64]
 
 __all__ = ["FOLDER", "Case", "compare"]
 
@@ -35,28 +40,54 @@ FOLDER = "levers"
 PARTS = ["voids"]
 """What is computed of each: what its answer rests on, nothing to look at."""
 
-SEVERITY = {"fibers": "severity_fibers", "melt": "severity_melt", "void_fraction": "void_fraction"}
-"""What is told of each, and the quantities that have it."""
+ALONE = {"numerics.isotropic_angles": 40}
+"""Fewer fibers that enter at random: none of it rests on them."""
+
+NEEDED = ("void_added_exponent", "void_exponent", "void_gas")
+"""What is told of each streamline of a case."""
+
+NO_LINES = np.full(1, np.nan)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
-    """What a study comes to; NaN where it has no answer, and why.
+    """What a study comes to on each streamline; NaN where there is no answer, and why.
 
     Parameters
     ----------
-    fibers, melt : float
-        Severity: growth exponents of the melt, and of what fibers add to it.
-    void_fraction : float
-        Of the bead.
+    fibers, melt : (streamline,) array
+        Severity: growth exponents of what fibers add to the melt's, and of the melt itself.
+    gas : (streamline,) array
+        Volume of bubbles over that of melt and fibers at the end of the swell.
     reason : str
         Why there is no answer.
     """
 
-    fibers: float = np.nan
-    melt: float = np.nan
-    void_fraction: float = np.nan
+    fibers: Array = field(default_factory=NO_LINES.copy)
+    melt: Array = field(default_factory=NO_LINES.copy)
+    gas: Array = field(default_factory=NO_LINES.copy)
     reason: str = ""
+
+    @property
+    def void_fraction(self) -> float:
+        """Return the void content of the bead."""
+        return float(gas_share(_mean(self.gas, ~np.isnan(self.gas))))
+
+    def beside(self, base: Case, of: Literal["fibers", "melt", "gas"]) -> tuple[float, float]:
+        """Return the means of this and of another, over the streamlines that both keep.
+
+        A streamline that passes a sharp corner more closely at one setting than at another counts
+        in one of them only: it is no part of what the setting does.
+        """
+        here, there = getattr(self, of), getattr(base, of)
+        if here.shape != there.shape:  # one of them has no answer
+            return np.nan, np.nan
+        both = ~np.isnan(here) & ~np.isnan(there)
+        return _mean(here, both), _mean(there, both)
+
+
+def _mean(values: Array, kept: NDArray[np.bool_]) -> float:
+    return float(np.mean(values[kept])) if kept.any() else np.nan
 
 
 def compare(
@@ -87,34 +118,43 @@ def compare(
     list of Case
         The run itself, and one for each of ``changes``, in their order.
     """
-    own = {"study.parts": PARTS}
-    values = load_study(study, own).config.values()
-    refused = [_refusal(study, change) for change in changes]
-    valid = [change for change, reason in zip(changes, refused, strict=True) if not reason]
-    varied = sorted({key for change in valid for key in change})
-    rows = [[change.get(key, values[key]) for key in varied] for change in ({}, *valid)]
+    own = {"study.parts": PARTS, **ALONE}
+    refused, cases = [], [load_study(study, own).config.values()]
+    for change in changes:
+        try:
+            cases.append(load_study(study, {**own, **change}).config.values())
+        except ConfigError as error:
+            refused.append(str(error))
+        else:
+            refused.append("")
+    varied = sorted({key for change in changes for key in change})
+    # Of each the values that it has itself: a printer's nozzle takes its land with it.
+    rows = [[values[key] for key in varied] for values in cases]
     swept = load_study(study, own, {", ".join(varied): rows})
     folder = directory / FOLDER
     _lend(directory, folder, swept.config)
     run_sweep(read_sweep(swept), swept, folder, CHAIN, workers=workers, observer=observer)
     found = collect_sweep(folder)
-    columns = {told: found[name].to_numpy() for told, name in SEVERITY.items() if name in found}
     reasons = found["reason"].to_numpy() if "reason" in found else [""] * len(rows)
-    solved = [
-        Case(**{told: float(column[k]) for told, column in columns.items()}, reason=str(reasons[k]))
-        for k in range(len(rows))
-    ]
+    if "near_singularity" in found:
+        by_line = found[[*NEEDED, "near_singularity"]].transpose(..., "streamline")
+        kept = by_line["near_singularity"].to_numpy() == 0  # NaN of a case that failed
+        fibers, melt, gas = (
+            np.where(kept, values.to_numpy(), np.nan)
+            for values in (
+                by_line["void_added_exponent"],
+                by_line["void_exponent"].sel(void_basis="melt", drop=True),
+                by_line["void_gas"].sel(void_station="swell", drop=True),
+            )
+        )
+        solved = [
+            Case(added, own, bubbles, str(reason))
+            for added, own, bubbles, reason in zip(fibers, melt, gas, reasons, strict=True)
+        ]
+    else:
+        solved = [Case(reason=str(reason)) for reason in reasons]
     base, others = solved[0], iter(solved[1:])
     return [base, *(Case(reason=reason) if reason else next(others) for reason in refused)]
-
-
-def _refusal(study: Mapping[str, Any], change: Mapping[str, float]) -> str:
-    """Return why a changed study cannot be, or nothing."""
-    try:
-        load_study(study, {"study.parts": PARTS, **change})
-    except ConfigError as error:
-        return str(error)
-    return ""
 
 
 def _lend(source: Path, target: Path, config: Tables) -> None:

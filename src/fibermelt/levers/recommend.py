@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fibermelt.levers.steps import COSTS_NOTHING
 from fibermelt.parts.voids.answer import MOISTURE, NO_CHANGE
@@ -23,9 +23,10 @@ WORTH = 0.9
 that is known to a factor of two."""
 
 
-def ratio(case: float, base: float) -> float | None:
+def ratio(case: Case, base: Case, of: Literal["fibers", "melt"] = "fibers") -> float | None:
     """Return what is left of a severity; None where there was next to none, or is no answer."""
-    return case / base if base > NOTHING and not math.isnan(case) else None
+    left, before = case.beside(base, of)
+    return left / before if before > NOTHING and not math.isnan(left) else None
 
 
 def proposals(
@@ -55,7 +56,7 @@ def proposals(
     seen: list[tuple[float, Mapping[str, float]]] = []
     turned: list[tuple[float, Mapping[str, float]]] = []
     for step, case in weighed:
-        left = ratio(case.fibers, base.fibers)
+        left = ratio(case, base)
         if left is None or step.costs != COSTS_NOTHING or MOISTURE in step.settings:
             continue
         if left < NO_CHANGE:

@@ -5,10 +5,12 @@ A step is a complete change of settings that a study can run with; nothing is sc
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
 
+from fibermelt.parts.process.slot import lend
 from fibermelt.parts.voids.answer import MOISTURE
 
 if TYPE_CHECKING:
@@ -67,6 +69,8 @@ class _Lever:
     factors: tuple[float, ...] = ()
     differences: tuple[float, ...] = ()
     costs: str = COSTS_NOTHING
+    moves: tuple[str, ...] = ()
+    """Keys of the plane that follow from these, of a lever of ``[process]``."""
 
     def steps(self, values: Mapping[str, Value]) -> Iterator[Step]:
         """Yield its steps, as far as the study has numbers to move."""
@@ -80,14 +84,15 @@ class _Lever:
             yield Step(self.name, {k: v + difference for k, v in numbers.items()}, self.costs)
 
 
-WIDTH = ("flow.capillary_width",)
+SPEEDS, FLOW = ("flow.inlet_speed", "flow.bed_speed"), ("flow.inlet_speed",)
+GAP, WIDTH = ("flow.gap",), ("flow.capillary_width",)
+CONTENT = ("interaction.volume_fraction",)
 
+TOGETHER = "print speed and flow together"
 NOZZLE = (
-    _Lever("print speed and flow together", ("flow.inlet_speed", "flow.bed_speed"),
-           (1.0 - SHARE,), costs="output"),
-    _Lever("flow at the same print speed and gap", ("flow.inlet_speed",), (1.0 + SHARE,),
-           costs="the bead’s height"),
-    _Lever("gap between nozzle and bed", ("flow.gap",), (1.0 - SHARE,)),
+    _Lever(TOGETHER, SPEEDS, (1.0 - SHARE,), costs="output"),
+    _Lever("flow at the same print speed and gap", FLOW, (1.0 + SHARE,), costs="the bead’s height"),
+    _Lever("gap between nozzle and bed", GAP, (1.0 - SHARE,)),
     _Lever("nozzle diameter", WIDTH, (1.0 - SHARE,)),
     _Lever("length of the nozzle’s land", ("flow.capillary_length",), (1.0 - SHARE,)),
 )  # fmt: skip
@@ -101,8 +106,53 @@ MELT = (
     _Lever("moisture", (MOISTURE,), (0.5,)),
     _Lever("fiber length", ("fiber.half_length", "fiber.aspect_ratio"), (SHORTER,),
            costs="another compound"),
-    _Lever("fiber content", ("interaction.volume_fraction",), (LESS,), costs="another compound"),
+    _Lever("fiber content", CONTENT, (LESS,), costs="another compound"),
 )  # fmt: skip
+
+
+def _of_printer(values: Mapping[str, Value]) -> list[_Lever]:
+    """Return the levers of ``[process]``, which a file of a printer has: they can be pasted there.
+
+    Where the bead's section says the flow, print speed alone moves both, its width the flow at one
+    layer height, and a lower layer lays down less.
+    """
+    said = [f"process.{name}" for name in ("flow_rate", "mass_flow")]
+    rate = [key for key in said if values.get(key) is not None][:1]
+    return [
+        _Lever(TOGETHER, ("process.print_speed", *rate), (1.0 - SHARE,),
+               costs="output", moves=SPEEDS),
+        _Lever("flow at the same print speed and layer height", tuple(rate), (1.0 + SHARE,),
+               costs="the bead’s width", moves=FLOW)
+        if rate
+        else _Lever("width of the bead", ("process.bead_width",), (1.0 + SHARE,),
+                    costs="the bead’s width", moves=FLOW),
+        _Lever("layer height", ("process.layer_height",), (1.0 - SHARE,),
+               costs=COSTS_NOTHING if rate else "output", moves=GAP),
+        _Lever("nozzle diameter", ("process.nozzle_diameter",), (1.0 - SHARE,), moves=WIDTH),
+        _Lever("fiber content", ("process.fiber_weight_fraction",), (LESS,),
+               costs="another compound", moves=CONTENT),
+    ]  # fmt: skip
+
+
+def _effective(levers: Sequence[_Lever], values: Mapping[str, Value]) -> dict[Any, _Lever]:
+    """Return the levers of ``[process]`` that move what they stand for, by what that is.
+
+    A key of ``[flow]`` that the study says itself wins over them.
+    """
+    tables: dict[str, dict[str, Any]] = {"process": {}, "flow": {}}
+    for key, value in values.items():
+        table, _, name = key.partition(".")
+        if table in tables:
+            tables[table][name] = value
+    lent = lend({**tables, "melt": {"density": values.get("melt.density")}})
+    return {
+        one.moves: one
+        for one in levers
+        if all(
+            key in lent and math.isclose(lent[key].value, float(cast("float", values[key])))
+            for key in one.moves
+        )
+    }
 
 
 def steps_of(values: Mapping[str, Value]) -> list[Step]:
@@ -114,12 +164,8 @@ def steps_of(values: Mapping[str, Value]) -> list[Step]:
         The resolved study, with numbers for what a card may say.
     """
     levers = (*(NOZZLE if values["flow.source"] == "deposition" else ()), *MELT)
-    if values.get("process.nozzle_diameter") is not None:
-        # What moves is the plane's: 0.75 diameters wide.
-        levers = tuple(
-            replace(one, name="slot that stands for the nozzle") if one.keys == WIDTH else one
-            for one in levers
-        )
+    printers = _effective(_of_printer(values), values)
+    levers = tuple(printers.get(one.keys, one) for one in levers)
     return [
         step
         for lever in levers

@@ -6,7 +6,7 @@ with where it was computed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fibermelt.parts.voids.answer import MOISTURE, SAFETY
@@ -63,12 +63,12 @@ def doubts(values: Mapping[str, Any], moisture: float) -> dict[str, list[dict[st
     }
 
 
-def _spread(base: float, others: Sequence[float]) -> float | None:
-    """Return the largest factor between a severity and others; None where one of them is nothing.
+def _spread(pairs: Iterable[tuple[float, float]]) -> float | None:
+    """Return the largest factor between two that are one; None where one of them is nothing.
 
     What vanishes has no factor: it is told as it is.
     """
-    factors = [max(one / base, base / one) for one in others if one > 0.0 and base > 0.0]
+    factors = [max(one / base, base / one) for one, base in pairs if one > 0.0 and base > 0.0]
     return max(factors, default=None)
 
 
@@ -94,17 +94,17 @@ def uncertainty_of(
         The cases of `doubts`, by what is doubted.
     """
     found: list[tuple[str, float | None, str]] = [
-        (name, _spread(base.fibers, [case.fibers for case in cases]), basis)
+        (name, _spread(case.beside(base, "fibers") for case in cases), basis)
         for name, basis in BASIS.items()
         for cases in (computed[name],)
     ]
-    content = _spread(base.void_fraction, [case.void_fraction for case in computed[NUCLEUS]])
+    content = _spread((case.void_fraction, base.void_fraction) for case in computed[NUCLEUS])
     if content is not None:
         basis = f"computed: the severity needs none, the void content is off by {content:.2g}"
         found.append((NUCLEUS, 1.0, f"{basis}, of 0.1 to 5 µm"))
-    error = voids["severity_error"]["fibers"]
-    if base.fibers > 0.0 and error is not None:
-        found.append(("discretisation", 1.0 + error / base.fibers, "estimated: every second point"))
+    own, error = (voids[name]["fibers"] for name in ("severity", "severity_error"))
+    if own and error is not None:
+        found.append(("discretisation", 1.0 + error / own, "estimated: every second point"))
     if (shape := _spheroid(voids)) is not None:
         found.append(
             (
@@ -129,4 +129,4 @@ def _spheroid(voids: Mapping[str, Any]) -> float | None:
     own, plane, space = (found[name]["growth_exponent"] for name in ("melt", "bounds", "spheroid"))
     if None in (own, plane, space):
         return None
-    return _spread(plane - own, [space - own])
+    return _spread([(space - own, plane - own)])

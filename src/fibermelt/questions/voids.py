@@ -15,7 +15,7 @@ from fibermelt.errors import ConfigError, StoreError
 from fibermelt.parts.melt.cards import Card, load_card
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import SAME_TEMPERATURE, viscosity_of
-from fibermelt.parts.voids.answer import answered
+from fibermelt.parts.voids.answer import answered, by_layer
 from fibermelt.parts.voids.bubbles import nuclei_of
 from fibermelt.parts.voids.config import Voids
 from fibermelt.parts.voids.melt import FROM_CARD, moist_melt
@@ -139,6 +139,7 @@ def held_against(voids: Mapping[str, Any], other: Path) -> dict[str, Any]:
         raise StoreError(msg)
     layers = [one["severity"] for one in beside["profile"]]
     found = {**voids, "against": {"name": other.name, **beside["severity"], "profile": layers}}
+    found["against"]["layers"] = by_layer(found)
     return {**found, "answer": answered(found)}
 
 

@@ -19,6 +19,7 @@ HOMES = (
     "fibermelt.paper.orbits",
     "fibermelt.paper.dimensions",
     "fibermelt.parts.thinning",
+    "fibermelt.parts.plane",
     "fibermelt.parts.voids",
     "fibermelt.parts.verification",
     "fibermelt.paper.claims",

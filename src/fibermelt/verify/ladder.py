@@ -35,7 +35,7 @@ Kind = Literal["error below bound", "order within band"]
 Extent = Literal["brief", "quick", "full"]
 """How much of the ladder: what a study stores by default, what takes ten seconds, all of it."""
 
-LADDER_VERSION = 4
+LADDER_VERSION = 5
 """Raised whenever a check is added, changed or moved, or what it checks: no stored one is kept."""
 
 LONGEST_REASON = 400

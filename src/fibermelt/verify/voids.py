@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from fibermelt.verify.ladder import Rung, below, order
 from fibermelt.voids.diffusion import FreeVolume
+from fibermelt.voids.growth import BubbleMelt, Surroundings, grow
 from fibermelt.voids.margin import assess
 from fibermelt.voids.nucleation import ClassicalNucleation, critical_radius, log10_barrier
 from fibermelt.voids.saturation import saturation_pressure
@@ -21,6 +22,7 @@ Array = NDArray[np.float64]
 IF97 = "IAPWS R7-97 (2012), Table 35"
 WAGNER = "Wagner and Pruss 2002, doi 10.1063/1.1461829"
 VRENTAS = "Vrentas and Duda 1977, doi 10.1002/pol.1977.180150302"
+BARLOW = "Barlow and Langlois 1962, doi 10.1147/rd.63.0329"
 BLANDER = "Blander and Katz 1975, doi 10.1002/aic.690210502"
 PAPER = "Awenlimobor, Smith and Wang 2024, doi 10.1016/j.addma.2024.103980"
 
@@ -134,7 +136,63 @@ def _limits() -> tuple[float, float, float]:
     )
 
 
+def _growth() -> tuple[float, float, float]:
+    """Return errors of ln R at constant pressure and of a fixed gas, and of the water in all."""
+    mu, vapor, air, R_0 = 800.0, 3e5, 1e5, 1e-6
+    vast, tip = 1e3, 4.7e-14
+    around = Surroundings([0.0, 0.05], [air, air], mu)
+
+    def grown(diffusivity: float) -> tuple[Array, Array]:
+        melt = BubbleMelt(vapor, 1.0, diffusivity, 0.0, PROCESSING)
+        found = grow(around, melt, R_0, vast, [0.05], tolerance=1e-3)
+        return found.time, np.log(found.radius / R_0)
+
+    time, plenty = grown(1e-6)
+    exact = (vapor - air) * time / (4.0 * mu)
+    time, alone = grown(0.0)
+    share = vapor / air - (vapor / air - 1.0) * np.exp(-3.0 * air * time / (4.0 * mu))
+    dip = Surroundings([0.0, 0.1, 0.2, 0.5], [3e5, -2e5, 3e5, air], mu)
+    moist = BubbleMelt(2.8e5, 1.9e-6, 2.3e-10, TENSION, PROCESSING)
+    found = grow(dip, moist, R_0, tip, [0.2, 1.0])
+    water = found.vapor + found.dissolved
+    return (
+        float(np.max(np.abs(plenty - exact))),
+        float(np.max(np.abs(alone - np.log(share) / 3.0))),
+        float(np.max(np.abs(water / water[0] - 1.0))),
+    )
+
+
 RUNGS = (
+    Rung(
+        "voids",
+        (
+            below(
+                "growth: constant pressure",
+                "Logarithm of the radius of a bubble whose vapor lasts against that of "
+                "R_0 exp(dp t/(4 mu)).",
+                BARLOW,
+                1e-6,
+                "the rate is constant, a step exact: 1e-8 of Newton's method is left of ln R = 3",
+            ),
+            below(
+                "growth: gas of a fixed mass",
+                "Logarithm of its radius against V' = 3 (p_0 V_0 - p V)/(4 mu), solved.",
+                BARLOW,
+                1e-3,
+                "steps are halved until they tell an error of that",
+            ),
+            below(
+                "growth: water",
+                "Water in a bubble and its cell, over a dip in pressure and back, relative.",
+                "nothing else holds any",
+                1e-12,
+                "what a shell gives the next one gets: rounding of some hundred steps",
+            ),
+        ),
+        _growth,
+        quick=True,
+        brief=True,
+    ),
     Rung(
         "voids",
         (

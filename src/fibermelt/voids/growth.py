@@ -55,20 +55,29 @@ STRETCH = 2.0 * math.sqrt(3.0)
 """Rate of deformation at a bubble's surface over ``R'/R``: ``sqrt(2 D:D)``, ``D`` of
 ``diag(-2, 1, 1) R'/R``."""
 
-SHELLS = 12
-"""Shells of melt around a bubble; what they are off by is in docs/verification.md."""
+RATIO = 5.0
+"""Largest ratio of the volumes of neighbouring shells around a nucleus in a large cell: from 5 of
+them around one of 5 um to 12 around one of 0.1 um at the tip of a fiber. What they are off by is in
+docs/verification.md."""
+
+FEWEST = 4
+"""Shells in a cell not much larger than its nucleus."""
 
 FIRST = 0.1
 """Volume of the first shell over that of the nucleus, about: a layer of 0.02/3 of its radius."""
 
-STEPS = 12
+STEPS = 8
 """Steps between two stations, on the coarsest mesh in time."""
 
-HALVINGS = 6
-"""How often they are halved at most: to 768."""
+HALVINGS = 7
+"""How often they are halved at most: to 1024."""
+
+MARCHED = 3
+"""Levels of steps that every nucleus is followed on: two tell no error of the second order."""
 
 TOLERANCE = 0.05
-"""Largest error of ``ln R`` at stations, as the last halving tells it: a third or less is left."""
+"""Largest error of ``ln R`` at stations, as the last halving tells it; about as much is left of
+nuclei that are just critical, a tenth of others."""
 
 RESTING = 1e-12
 """Rate [1/s] below which a melt is at rest: laws take the logarithm of theirs."""
@@ -97,8 +106,8 @@ NODES, WEIGHTS = 0.5 * np.array(np.polynomial.legendre.leggauss(8))
 NODES += 0.5
 """Gauss and Legendre's rule on 0 to 1."""
 
-SETTLED = 1e-6
-"""Largest last change of Newton's steps, relative: they double the digits, 1e-12 is left."""
+SETTLED = 1e-4
+"""Largest last change of Newton's steps, relative: they double the digits, 1e-8 is left."""
 
 STILL = 1e-13
 """A step's growth of ``ln R`` below which it is none."""
@@ -205,6 +214,11 @@ def viscous_resistance(
         checked_range("squeezed", squeezed, (0.0, 1.0)),
         checked_range("flow_rate", flow_rate, (0.0, np.inf), "1/s"),
     )
+    return _resistance(e, x_S, law, gamma)
+
+
+def _resistance(e: Array, x_S: Array, law: ViscosityLaw, gamma: Array) -> tuple[Array, Array]:
+    """Return `viscous_resistance` of what is in range."""
     g = STRETCH * np.abs(e)
     squared = gamma * gamma
 
@@ -354,7 +368,7 @@ def grow(
     stations : (..., s) array_like
         Times [s] that are told exactly, increasing along the last axis, after the first point.
     tolerance : float
-        Steps are halved until the estimated error of ``ln R`` is below it, four times at most.
+        Steps are halved until the estimated error of ``ln R`` is below it, or `HALVINGS` times.
 
     Raises
     ------
@@ -381,15 +395,12 @@ def grow(
         raise HistoryError(msg) from error
     meshes = _Meshes(paths, melt.vapor_pressure)
     nuclei = _Nuclei(melt, around.tip, group.ravel(), R_0.ravel(), volume.ravel())
-    found = np.concatenate(
-        [
-            _extrapolated(meshes, nuclei.some(slice(k, k + BLOCK)), tolerance)
-            for k in range(0, group.size, BLOCK)
-        ],
-        axis=-1,
-    )
+    time = meshes.times(0, range(len(paths.time)))
+    found = np.empty((4, time.shape[-1], group.size))
+    for which in nuclei.blocks():
+        found[..., which] = _extrapolated(meshes, nuclei.some(which), tolerance)
     grown, vapor, dissolved, off = np.moveaxis(found, 1, -1).reshape(4, *group.shape, -1)
-    time = meshes.times(0, range(len(paths.time)))[group.ravel()].reshape(grown.shape)
+    time = time[group.ravel()].reshape(grown.shape)
     return Growth(time, R_0[..., None] * np.exp(grown), vapor, dissolved, off)
 
 
@@ -465,6 +476,7 @@ class _Meshes:
         self._places = [self._place(k, vapor_pressure) for k in range(len(paths.time))]
         values = np.stack([getattr(paths, name) for name in MEANS], axis=1)
         self._integrals = [_Integral(*one) for one in zip(paths.time, values, strict=True)]
+        self._steps: dict[tuple[int, int], Array] = {}
 
     def times(self, level: int, which: Sequence[int] | NDArray[np.intp]) -> Array:
         """Return the times of ``2^level`` times `STEPS` steps between stations, (path, k + 1)."""
@@ -473,11 +485,19 @@ class _Meshes:
 
     def at(self, level: int, which: NDArray[np.intp]) -> _Mesh:
         """Return the steps of some paths."""
-        time = self.times(level, which)
-        whole = np.array([self._integrals[k](at) for k, at in zip(which, time, strict=True)])
-        step = np.diff(time)
-        means = np.diff(whole, axis=-1) / step[:, None]
-        return _Mesh(step.T, *means.transpose(1, 2, 0))
+        for k in which:
+            if (level, k) not in self._steps:
+                self._refine(level, k)
+        return _Mesh(*np.stack([self._steps[level, k] for k in which], axis=-1))
+
+    def _refine(self, level: int, k: int) -> None:
+        """Have a path's steps of some level, and of those below, whose times are among its own."""
+        finest = max(level, MARCHED - 1)
+        (time,) = self.times(finest, [k])
+        whole = np.concatenate([time[None], self._integrals[k](time)])
+        for each in range(finest + 1):
+            step, *over = np.diff(whole[:, :: 2 ** (finest - each)])
+            self._steps[each, k] = np.stack([step, *(one / step for one in over)])
 
     @staticmethod
     def _nodes(share: Array, places: list[tuple[Array, Array]]) -> Array:
@@ -543,7 +563,7 @@ def _extrapolated(
     before, coarse = (_marched(meshes, level, nuclei) for level in (0, 1))
     first = 2.0 * coarse - before
     told = np.empty((4, *first.shape[1:]))
-    for level in range(2, HALVINGS + 1):
+    for level in range(MARCHED - 1, HALVINGS + 1):
         fine = _marched(meshes, level, nuclei.some(left))
         second = 2.0 * fine - coarse
         told[:3, :, left] = second + (second - first) / 3.0
@@ -567,6 +587,20 @@ class _Nuclei:
     R_0: Array
     volume: Array
 
+    @property
+    def shells(self) -> NDArray[np.intp]:
+        """Return how many shells of melt each is followed in."""
+        room = np.maximum(self.volume / (4.0 / 3.0 * np.pi * self.R_0**3) / FIRST, 1.0)
+        counts = np.ceil(np.log(room) / math.log(RATIO) + 0.5).astype(np.intp)
+        return np.maximum(counts, FEWEST)
+
+    def blocks(self) -> Iterator[NDArray[np.intp]]:
+        """Iterate over those that are followed at once: of one number of shells."""
+        shells = self.shells
+        for count in np.unique(shells):
+            alike = np.flatnonzero(shells == count)
+            yield from (alike[k : k + BLOCK] for k in range(0, alike.size, BLOCK))
+
     def some(self, which: Any) -> _Nuclei:
         """Return some of them."""
         return replace(self, path=self.path[which], R_0=self.R_0[which], volume=self.volume[which])
@@ -580,12 +614,12 @@ def _marched(meshes: _Meshes, level: int, nuclei: _Nuclei) -> Array:
     what drives it then falls with ``R``, and a step has one answer.
     """
     melt, R_0 = nuclei.melt, nuclei.R_0
-    shells = _Shells(melt, R_0, nuclei.volume)
-    gas, whole = melt.gas, 3.0 / (4.0 * np.pi) * nuclei.volume
-    V_0 = 4.0 / 3.0 * np.pi * R_0**3
-    most = np.maximum(np.log(whole * FULL / (1.0 - FULL) / R_0**3) / 3.0, 0.0)
+    shells = _Shells(nuclei)
+    gas, V_0 = melt.gas, 4.0 / 3.0 * np.pi * R_0**3
+    whole_0 = nuclei.volume / V_0
+    most = np.maximum(np.log(whole_0 * FULL / (1.0 - FULL)) / 3.0, 0.0)
     grown, rate = np.zeros_like(R_0), np.zeros_like(R_0)
-    ratio, R, V = np.ones_like(R_0), R_0, V_0
+    ratio, cube, R, V = np.ones_like(R_0), np.ones_like(R_0), R_0, V_0
     mass = melt.vapor_pressure * V_0 / gas
     told = [(grown, mass, shells.mass())]
     paths, path = np.unique(nuclei.path, return_inverse=True)
@@ -593,20 +627,20 @@ def _marched(meshes: _Meshes, level: int, nuclei: _Nuclei) -> Array:
         h, p, eta, gamma, fiber = (one[path] for one in of_all)
         if nuclei.tip is not None:
             p = p + fiber * nuclei.tip.share(R - R_0)
-        supply, backlog = shells.outside_in(ratio, h)
+        supply, backlog = shells.outside_in(cube, h)
         # p_b V/gas = mass + h (supply - backlog p_b)
         amount, give = (mass + h * supply) * gas, h * backlog * gas
-        cube = R**3
         step = _grown(
             (amount, V, give),
             p + 2.0 * melt.tension / R,
-            _Resistance(melt.law, h, eta, gamma, cube / (cube + whole)),
+            _Resistance(melt.law, h, eta, gamma, cube / (cube + whole_0)),
             rate * h,
             (-grown, most - grown),
         )
         rate, grown = step / h, grown + step
         ratio = np.exp(grown)
-        R, V = R_0 * ratio, V_0 * ratio**3
+        cube = ratio * ratio * ratio  # a power takes ten times as long
+        R, V = R_0 * ratio, V_0 * cube
         p_b = amount / (V + give)
         mass = mass + h * (supply - backlog * p_b)
         shells.inside_out(p_b)
@@ -634,9 +668,8 @@ class _Resistance:
         if self._law is None:
             slope = 4.0 * self._factor * (1.0 - self._squeezed) / self._step
             return slope * growth, slope
-        T, slope = viscous_resistance(
-            growth / self._step, self._squeezed, self._law, self._flow_rate
-        )
+        rate = growth / self._step
+        T, slope = _resistance(rate, self._squeezed, self._law, self._flow_rate)
         return self._factor * T, self._factor * slope / self._step
 
 
@@ -697,12 +730,13 @@ def _grown(
 class _Shells:
     """Water in the shells around bubbles, from the bubble outwards (shell, nuclei)."""
 
-    def __init__(self, melt: BubbleMelt, R_0: Array, volume: Array) -> None:
-        whole = 3.0 / (4.0 * np.pi) * volume / R_0**3
-        ratio = np.maximum((whole / FIRST) ** (1.0 / (SHELLS - 0.5)), SMALLEST_RATIO)
-        shell = np.arange(SHELLS + 1.0)[:, None]
+    def __init__(self, nuclei: _Nuclei) -> None:
+        melt, R_0, count = nuclei.melt, nuclei.R_0, int(nuclei.shells[0])
+        whole = 3.0 / (4.0 * np.pi) * nuclei.volume / R_0**3
+        ratio = np.maximum((whole / FIRST) ** (1.0 / (count - 0.5)), SMALLEST_RATIO)
+        shell = np.arange(count + 1.0)[:, None]
         # Cubes of radii over R_0 less the bubble's: of edges, and of where concentrations stand.
-        edge = whole * (ratio**shell - 1.0) / (ratio**SHELLS - 1.0)
+        edge = whole * (ratio**shell - 1.0) / (ratio**count - 1.0)
         place = edge / np.sqrt(ratio)
         self._volume = 4.0 / 3.0 * np.pi * R_0**3 * np.diff(edge, axis=0)
         self._place = place.astype(np.float32)
@@ -716,40 +750,41 @@ class _Shells:
         """Return the water in all of them [kg]."""
         return np.asarray(np.sum(self._content * self._volume, axis=0))
 
-    def outside_in(self, ratio: Array, step: Array) -> tuple[Array, Array]:
+    def outside_in(self, cube: Array, step: Array) -> tuple[Array, Array]:
         """Return what reaches the bubble [kg/s], and what less for its pressure [kg/(s Pa)].
 
         Implicit Euler over a step [s], by elimination from the outermost shell: the content of a
-        shell is ``offer + hold inner``, with that of the next one inside. ``1 - hold`` goes with
-        it by itself: it may be far below 1.
+        shell is ``offer + hold inner``, with that of the next one inside. What goes on outwards,
+        ``flux (1 - hold)``, is summed by itself: it may be far below the flux.
 
         Parameters
         ----------
-        ratio : (nuclei) array
-            ``R/R_0``.
+        cube : (nuclei) array
+            ``(R/R_0)^3``.
         step : (nuclei) array
             How long it is [s].
         """
-        flux = self._fluxes(ratio)
+        flux = self._fluxes(cube)
         store = self._volume / step
         stored = store * self._content
-        offer, slack, outer = (np.zeros_like(ratio) for _ in range(3))
-        for k in range(SHELLS - 1, -1, -1):
-            loose = store[k] + outer * slack
-            full = loose + flux[k]
-            offer = np.divide(stored[k] + outer * offer, full, out=self._offer[k])
-            slack = loose / full
-            np.divide(flux[k], full, out=self._hold[k])
-            outer = flux[k]
-        return outer * offer, outer * slack * self._solubility
+        supply, beyond = np.zeros_like(cube), np.zeros_like(cube)
+        for k in reversed(range(len(flux))):
+            loose = store[k] + beyond
+            part = 1.0 / (loose + flux[k])
+            hold = np.multiply(flux[k], part, out=self._hold[k])
+            stored[k] += supply
+            np.multiply(stored[k], part, out=self._offer[k])
+            supply = stored[k] * hold
+            beyond = loose * hold
+        return supply, beyond * self._solubility
 
-    def _fluxes(self, ratio: Array) -> Array:
+    def _fluxes(self, cube: Array) -> Array:
         """Return the flux over a difference of content inside each shell [m3/s].
 
         ``4 pi D/(1/r - 1/r')``, steady between two spheres, by their cubes. In single precision, a
         tenth of the time: it is one number for both sides of the flux, so that no water is lost.
         """
-        r = np.exp(np.log(ratio.astype(np.float32) ** 3 + self._place) / np.float32(3.0))
+        r = np.exp(np.log(cube.astype(np.float32) + self._place) / np.float32(3.0))
         low, high = r[:-1], r[1:]
         flux = self._conduct * low * high * (low * low + low * high + high * high)
         whole: Array = flux.astype(np.float64)
@@ -758,5 +793,5 @@ class _Shells:
     def inside_out(self, pressure: Array) -> None:
         """Put in what is left after the step, at the bubble's pressure [Pa] at its end."""
         inner = self._solubility * pressure
-        for k in range(SHELLS):
+        for k in range(len(self._content)):
             inner = np.add(self._offer[k], self._hold[k] * inner, out=self._content[k])

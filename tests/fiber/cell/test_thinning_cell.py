@@ -7,16 +7,23 @@ import math
 import numpy as np
 import pytest
 
-from fibermelt.fiber import Ellipse, ThinningResponse, unbounded_ellipse
+from fibermelt.errors import ConfigError
+from fibermelt.fiber import Ellipse, ThinningResponse, solve_cell, unbounded_ellipse
+from fibermelt.fiber.cell import table as table_module
 from fibermelt.fiber.cell.mesh import curved_mesh, sample_nodes
 from fibermelt.fiber.cell.stokes import solve_modes
-from fibermelt.fiber.cell.table import solve_thinning, surface_extremes
+from fibermelt.fiber.cell.table import solve_thinning, surface_extremes, surface_nodes
 from fibermelt.fiber.cell.thinning import (
     THINNING_NUMERICS,
+    CellAnswer,
     ThinningCell,
     thinning_flow_around,
+    thinning_grid,
+    thinning_surroundings,
 )
+from fibermelt.fiber.cell.worker import Answers, Task
 from fibermelt.fiber.cell_data import CellNumerics
+from fibermelt.fiber.surroundings import Surroundings
 from fibermelt.melt import CarreauYasuda, Cross, Newtonian, PowerLaw, ViscosityLaw
 from fibermelt.melt.strain import strain_of_stress
 
@@ -221,6 +228,43 @@ def test_table_against_direct_solves() -> None:
     assert turn < 1.5 * table.spin_error
 
 
+def test_a_table_takes_more_directions_where_it_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five are too few for a slender fiber, whose lowest pressure leaves the tip within degrees.
+
+    The closed form stands for the cells.
+    """
+    slender = Ellipse(1.0, 20.0)
+    exact = unbounded_ellipse(slender)
+
+    def closed_form(tasks: list[Task], workers: int) -> list[Answers]:
+        found = []
+        for task in tasks:
+            grid = thinning_grid(task.fiber, task.domain_size, task.numerics)
+            basis = exact.curve.point(surface_nodes(grid, task.numerics.order))
+            found.append(
+                {
+                    (rate, phase): CellAnswer(
+                        exact.shape_factor * np.sin(phase),
+                        basis @ [np.cos(phase), np.sin(phase)],
+                        1,
+                    )
+                    for rate, phase in task.points
+                }
+            )
+        return found
+
+    monkeypatch.setattr(table_module, "solve_tasks", closed_form)
+    phase = np.linspace(0.0, np.pi, 2001)
+    errors = []
+    for target in (np.inf, table_module.TARGET):
+        monkeypatch.setattr(table_module, "TARGET", target)
+        table = solve_thinning(slender, CELL, Newtonian(1.0), phases=5, workers=1)
+        gap = np.abs(table.lowest_at(1.0, phase) + exact.support(phase + np.pi))
+        errors.append((float(gap.max() / exact.support.largest), table.pressure_error))
+    assert errors[0][0] > 2.0 * table_module.TARGET
+    assert max(errors[1]) < table_module.TARGET
+
+
 def test_points_are_shared_out_in_any_way() -> None:
     law, numerics = PowerLaw(2.0, 0.6), CellNumerics(order=2, estimate=False)
     one, two = (solve_thinning(FIBER, CELL, law, numerics, phases=5, workers=k) for k in (1, 2))
@@ -250,3 +294,31 @@ def test_the_flow_around_a_fiber(law: ViscosityLaw) -> None:
     np.testing.assert_array_equal(net[half:], -net[:half])
     assert around.element_edges.shape[1] == order + 1
     assert around.cells.max() == len(x) - 1
+
+
+def test_the_flow_around_a_fiber_in_a_given_flow() -> None:
+    """In a Newtonian melt it is the closed sum: rigid on the fiber, undisturbed on the edge."""
+    law, angle = Newtonian(817.0), 0.6
+    gradient = np.array([[3.0, 40.0], [-7.0, -3.0]])
+    cell, seen = thinning_surroundings(FIBER, CELL, law, gradient, angle)
+    solution = solve_cell(FIBER, CELL)
+    names = ("points", "cells", "element_edges", "velocity", "pressure")
+    sums = Surroundings(*(getattr(solution, name) for name in names))
+    summed = sums.around(gradient, angle, 817.0)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    strain = turn.T @ gradient @ turn
+    spin = 0.5 * (strain[1, 0] - strain[0, 1]) + solution.shape_factor * 0.5 * (
+        strain[0, 1] + strain[1, 0]
+    )
+    place = cell.points @ turn.T
+    around = np.stack([-place[:, 1], place[:, 0]], axis=-1)
+    x, y = cell.points.T
+    surface, edge = np.hypot(x, 6.0 * y) < 1.0 + 1e-6, np.hypot(x, y) > 2.0 - 1e-6
+    # the curve is projected on, to 1e-9; the spin is that of cells on another grid
+    assert np.abs(seen.velocity - spin * around)[surface].max() < 1e-5 * abs(spin)
+    assert np.abs(seen.velocity - place @ gradient.T)[edge].max() < 1e-6
+    # the same extremes on both grids, each at its own nodes
+    assert seen.pressure.min() == pytest.approx(summed.pressure.min(), rel=5e-3)
+    assert seen.pressure.max() == pytest.approx(summed.pressure.max(), rel=5e-3)
+    with pytest.raises(ConfigError, match="rate of deformation"):
+        thinning_surroundings(FIBER, CELL, law, np.zeros((2, 2)), angle)

@@ -6,18 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from round_bead import BEAD_COARSE, BEAD_PROBLEM, DIAMETER
 
 from fibermelt.errors import ConfigError, ConvergenceError
-from fibermelt.flow.problem import BeadDeposition, Nozzle
-from fibermelt.flow.space.bead import BeadNumerics, BeadSolution, solve_bead
+from fibermelt.flow.problem import BeadDeposition, BeadNumerics
+from fibermelt.flow.space.bead import BeadSolution, solve_bead
 from fibermelt.melt import CarreauYasuda, Newtonian
 
-D = 3.175e-3
-NOZZLE = Nozzle(D, 0.1 * D, 0.1 * D, D, 0.6 * D, D, 3 * D)
-"""Straight, 0.8 diameters long, a gap of one: what the numbers to hold against were found on."""
-
-STANDARD = BeadDeposition(NOZZLE, Newtonian(817.0), inlet_speed=0.095, bed_speed=0.1)
-COARSE = BeadNumerics(lip_edge=0.1, bulk_edge=0.4, rim_edge=0.1, sectors=12, film=0.02)
+D, NOZZLE, STANDARD = DIAMETER, BEAD_PROBLEM.nozzle, BEAD_PROBLEM
+COARSE = BeadNumerics(**BEAD_COARSE)
 
 
 @pytest.mark.parametrize(
@@ -57,11 +54,6 @@ def test_speed_ratio_is_that_of_the_exit() -> None:
     problem = BeadDeposition(tapered, Newtonian(817.0), inlet_speed=0.02, bed_speed=0.1)
     assert problem.speed_ratio == pytest.approx(0.8)
     assert problem.mass_balance_area == pytest.approx(0.8 * np.pi / 4 * D**2)
-
-
-@pytest.fixture(scope="module")
-def coarse_bead() -> BeadSolution:
-    return solve_bead(STANDARD, COARSE)
 
 
 @pytest.mark.slow

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fibermelt.errors import MeshError
-from fibermelt.flow.problem import Nozzle
-from fibermelt.flow.space.bead import BeadNumerics
+from fibermelt.flow.problem import BeadNumerics, Nozzle
+from fibermelt.flow.space.bead import bead_tube
 from fibermelt.flow.space.guess import BeadGuess
 from fibermelt.flow.space.tube import Tube, tube_mesh
 
@@ -66,7 +66,7 @@ def test_no_guess_folds(gap: float, ratio: float) -> None:
     """From the gaps and speeds that are not refused, and its section is what mass balance asks."""
     nozzle = Nozzle(4.0, 1.0, 2.0, 1.0, 2.0, gap, 3.0)
     guess = BeadGuess(nozzle, ratio, 0.03)
-    mesh, _ = tube_mesh(BeadNumerics(sectors=12).tube(guess.stations), guess)
+    mesh, _ = tube_mesh(bead_tube(BeadNumerics(sectors=12), guess.stations), guess)
     area = 2 * ng.Integrate(ng.CF(1) * ng.ds("outlet"), mesh)
     assert area == pytest.approx(np.pi / 4 * ratio, rel=0.1)
 

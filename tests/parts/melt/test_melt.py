@@ -199,7 +199,10 @@ def test_only_a_melt_that_thins_at_fibers_has_a_table():
     assert "response" not in feeding()
     assert "response" not in feeding(melt={**THINS, "index": 1.0})
     assert "response" not in feeding(melt=THINS, fiber={"melt": "local-viscosity"})
-    assert "response" in feeding(melt=THINS)
+    assert {"response", "surroundings"} <= {*feeding(melt=THINS)}
+    # without a cell there is no flow around it to be solved
+    assert "surroundings" not in feeding(melt=THINS, fiber={"model": "ellipse"})
+    assert "surroundings" not in feeding()
 
 
 def test_a_law_is_read_at_the_melts_temperature(shifted):

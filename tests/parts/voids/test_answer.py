@@ -6,7 +6,16 @@ from typing import Any
 
 import pytest
 
-from fibermelt.parts.voids.answer import ADDED, ADVICE, BOILS, HELPS, SURE, answered
+from fibermelt.parts.voids.answer import (
+    ADDED,
+    ADVICE,
+    BOILS,
+    HELPS,
+    PAPER,
+    SURE,
+    answered,
+    by_layer,
+)
 from fibermelt.voids import ATMOSPHERE
 
 VAPOR = 2e4
@@ -75,7 +84,7 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
         {"height": 2e-3, "severity": {"fibers": 0.0, "melt": 0.0}},
         {"height": 3e-3, "severity": {"fibers": None, "melt": None}},
     ]
-    other = {"name": "before", "fibers": 4.0, "melt": 0.0}
+    other: dict[str, Any] = {"name": "before", "fibers": 4.0, "melt": 0.0, "profile": []}
     changes: dict[str, Any] = {
         "severity": {"fibers": 2.0, "melt": 0.5},
         "by_basis": {"melt": low(0.5 * VAPOR), "bounds": low(-1e5)},
@@ -86,7 +95,14 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
     assert said.startswith("A growth exponent of 2, on average, beside the melt’s own 0.5")
     assert "7.4 times as wide" in said  # e^2
     assert "Most, 4, 1 mm above the bed, least, 0, at 2 mm" in said
-    assert "0.50 times what they add on before" in said
+    assert "0.50 times what they add on before, layer by layer" not in said  # of one layer alone
+    other["profile"] = [{"fibers": 2.0, "melt": 0.0}] * 3
+    both = [{**layers[0]}, {"height": 2e-3, "severity": {"fibers": 1.0, "melt": 0.0}}, layers[2]]
+    beside = told(**{**changes, "profile": both})[ADDED]
+    assert (
+        "0.50 times what they add on before, layer by layer from 0.50 (2 mm above the bed) to 2 "
+        "(1 mm)" in beside
+    )
     assert "sharp corner" not in said
     assert "void content" not in said
     content = {"bead": 0.012, "tips": 0.01, "rest": 0.002}
@@ -99,6 +115,20 @@ def test_what_fibers_add_is_told_by_layer_and_against_another_run() -> None:
     assert "Without the 3 of 10 streamlines, 30 % of the melt, that pass a sharp corner" in left
     endless = told(**{**changes, "severity": {"fibers": 20.0, "melt": 5.0}})[ADDED]
     assert "until the moisture around it is used up" in endless
+
+
+def test_layers_of_another_number_are_taken_by_what_lies_below_them() -> None:
+    layers = [{"height": k * 1e-3, "severity": {"fibers": 6.0}} for k in range(4)]
+    two = [{"fibers": 3.0}, {"fibers": 1.0}]
+    found = by_layer({"profile": layers, "against": {"profile": two}})
+    assert [one["ratio"] for one in found] == [2.0, 2.0, 6.0, 6.0]
+    # Beside nothing there is no ratio; the paper's bead has ten layers.
+    nothing = by_layer({"profile": layers, "against": {"profile": [{"fibers": 0.0}]}})
+    assert [one["ratio"] for one in nothing] == [None] * 4
+    own = [{"height": 0.0, "severity": layer} for layer in PAPER["profile"]]
+    assert [one["ratio"] for one in by_layer({"profile": own})] == [1.0] * 10
+    mean = sum(one["fibers"] for one in PAPER["profile"]) / 10
+    assert mean == pytest.approx(PAPER["fibers"], rel=0.1)  # but for layers half left out
 
 
 def test_no_streamline_to_judge_is_no_answer() -> None:

@@ -8,7 +8,6 @@ from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-import matplotlib as mpl
 import pytest
 import xarray as xr
 from drawn_cases import CASES, case
@@ -81,22 +80,12 @@ def test_words_are_whole(plate: Plate, name: str) -> None:
 
 
 @every_figure
-def test_same_results_give_same_files_whatever_the_users_settings(
-    plate: Plate, tmp_path: Path
-) -> None:
+def test_its_files_are_small_titled_and_dateless(plate: Plate, tmp_path: Path) -> None:
     results = case(drawn_of(plate)[0])
     before = results.copy(deep=True)
-    first, again = tmp_path / "first", tmp_path / "again"
-    for folder, size in ((first, 8), (again, 20)):
-        folder.mkdir()
-        mine = {"font.size": size, "svg.hashsalt": folder.name, "lines.linewidth": size}
-        with mpl.rc_context(mine):
-            draw_plates([plate], results, folder)
-            assert mpl.rcParams["font.size"] == size
+    draw_plates([plate], results, tmp_path)
     xr.testing.assert_identical(results, before)
-    svg, png = ((first / f"{plate.name}.{kind}").read_bytes() for kind in ("svg", "png"))
-    assert (again / f"{plate.name}.svg").read_bytes() == svg
-    assert (again / f"{plate.name}.png").read_bytes() == png
+    svg, png = ((tmp_path / f"{plate.name}.{kind}").read_bytes() for kind in ("svg", "png"))
     assert len(svg) < LARGEST_SVG
     assert ET.fromstring(svg).findtext("{http://www.w3.org/2000/svg}title") == plate.title
     assert b"<dc:date" not in svg

@@ -10,9 +10,11 @@ import tomllib
 from html.parser import HTMLParser
 from itertools import pairwise
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from drawn_cases import case
 from numpy.typing import NDArray
 from PIL import Image
 from stored_bead import stored_results, stored_summary
@@ -20,7 +22,7 @@ from stored_bead import stored_results, stored_summary
 from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import StoreError
 from fibermelt.paper.claims.section import claims
-from fibermelt.parts.bead.figures.interactive import MOST_ANGLES, MOST_LINES, bead_data
+from fibermelt.parts.bead.figures.interactive import MOST_ANGLES, MOST_LINES, moving_data
 from fibermelt.report.kit.tables import Column, Table, measured, number
 from fibermelt.report.page import embed
 from fibermelt.report.page.embed import _in_dots, embed_figures
@@ -90,11 +92,14 @@ def read(page: str) -> Reader:
     return Reader(page)
 
 
-def test_the_same_store_gives_the_same_bytes_whether_drawn_before_or_not(
+def test_the_same_store_gives_the_same_bytes_drawn_before_or_not_whatever_the_users_settings(
     page: str, results: xr.Dataset
 ) -> None:
     before = results.copy(deep=True)
-    assert render(results, stored_summary(results)) == page.encode()
+    mine = {"font.size": 20, "svg.hashsalt": "mine", "lines.linewidth": 20}
+    with mpl.rc_context(mine):
+        assert render(results, stored_summary(results)) == page.encode()
+        assert mpl.rcParams["font.size"] == 20
     xr.testing.assert_identical(results, before)
 
 
@@ -229,7 +234,7 @@ def test_results_without_a_study_are_refused(results: xr.Dataset) -> None:
 
 
 def test_the_moving_figure_shows_what_is_stored(results: xr.Dataset) -> None:
-    data = json.loads(bead_data(results))
+    data = json.loads(moving_data(results))
     assert [line["n"] for line in data["lines"]] == list(range(1, 7))
     for row, line in enumerate(data["lines"]):
         for k, fiber in enumerate(line["fibers"]):
@@ -247,13 +252,32 @@ def test_the_moving_figure_shows_what_is_stored(results: xr.Dataset) -> None:
 
 
 def test_the_moving_figure_stays_small_with_many_lines_and_fibers() -> None:
-    data = json.loads(bead_data(stored_results(count=70, angles=40)))
+    data = json.loads(moving_data(stored_results(count=70, angles=40)))
     # The three marked streamlines are there whatever the others are.
     assert MOST_LINES <= len(data["lines"]) <= MOST_LINES + 3
     assert len(data["starts"]) == MOST_ANGLES
     assert set(data["marked"]) <= {str(line["n"]) for line in data["lines"]}
-    one = json.loads(bead_data(stored_results(count=1, angles=1)))
+    one = json.loads(moving_data(stored_results(count=1, angles=1)))
     assert (len(one["lines"]), one["picked"]) == (1, 0)
+
+
+def test_the_moving_figure_shows_paths_of_any_flow() -> None:
+    results = case("paths in space")
+    data = json.loads(moving_data(results))
+    for row, line in enumerate(data["lines"]):
+        ends = [1e5 * float(results[name][row, -1]) for name in "xyz"]
+        assert [line[name][-1] for name in "xyz"] == pytest.approx(ends, abs=0.5)
+        assert line["zones"] == []
+    assert data["scene"] == {"edges": []}
+    corners = np.array([[0.0, 0.0, 0.0], [2e-3, 0.0, 0.0], [0.0, 2e-3, 0.0], [0.0, 0.0, 2e-3]])
+    body = results.assign(
+        field_points=(("field_node", "space"), corners),
+        field_cells=(("field_cell", "field_corner"), [[0, 1, 2, 3]]),
+    )
+    edges = json.loads(moving_data(body))["scene"]["edges"]
+    assert len(edges) == 6  # of a tetrahedron, all sharp
+    assert {tuple(end) for edge in edges for end in edge} == {*map(tuple, (1e3 * corners).tolist())}
+    assert "z" not in json.loads(moving_data(case("paths from elsewhere")))["lines"][0]
 
 
 SEEN = 20.0

@@ -15,7 +15,7 @@ from fibermelt.fiber.cell.solve import solve_cell
 from fibermelt.fiber.cell.spheroid import solve_thinning_spheroid
 from fibermelt.fiber.cell.system import build_system
 from fibermelt.fiber.cell.table import solve_thinning
-from fibermelt.fiber.cell.thinning import thinning_flow_around
+from fibermelt.fiber.cell.thinning import thinning_flow_around, thinning_surroundings
 
 __all__ = [
     "ThinningFiber",
@@ -24,4 +24,5 @@ __all__ = [
     "solve_thinning",
     "solve_thinning_spheroid",
     "thinning_flow_around",
+    "thinning_surroundings",
 ]

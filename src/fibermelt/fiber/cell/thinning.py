@@ -37,6 +37,8 @@ from fibermelt.fiber.cell_data import CellNumerics, FlowAround
 from fibermelt.fiber.cell_grid import CellGrid
 from fibermelt.fiber.checks import checked_number, checked_positive
 from fibermelt.fiber.shape import Ellipse
+from fibermelt.fiber.surroundings import FlowAround as SeenFlow
+from fibermelt.fiber.surroundings import strain_at, turned_to_flow
 from fibermelt.melt import Newtonian, ViscosityLaw
 from fibermelt.melt.strain import NOTHING, WEIGHTS, strain_of_stress
 from fibermelt.threads import exclusive
@@ -47,6 +49,7 @@ __all__ = [
     "ThinningCell",
     "thinning_flow_around",
     "thinning_grid",
+    "thinning_surroundings",
     "torque_free_step",
 ]
 
@@ -363,6 +366,53 @@ class ThinningCell:
             pressure=whole(pressure, 1.0)[:, 0] - level,
             spin=spin,
         )
+
+
+@exclusive
+def thinning_surroundings(
+    fiber: Ellipse,
+    domain_size: float,
+    law: ViscosityLaw,
+    gradient: Array,
+    angle: float,
+    numerics: CellNumerics | None = None,
+) -> tuple[FlowAround, SeenFlow]:
+    """Return the flow around a confined fiber in a given flow of a thinning melt.
+
+    As `Surroundings.around` has it of a Newtonian melt, whose flows add up; here the cell is solved
+    at the strain that the fiber meets.
+
+    Parameters
+    ----------
+    fiber, domain_size, law, numerics
+        As in `solve_thinning`.
+    gradient : (2, 2) array
+        ``L_ij = d u_i / d x_j`` of the melt along the flow's axes [1/s].
+    angle : float
+        Of the fiber from the flow's x axis, counter-clockwise [rad].
+
+    Returns
+    -------
+    tuple of fibermelt.fiber.cell_data.FlowAround and fibermelt.fiber.surroundings.FlowAround
+        The cell as solved, in the fiber's axes and without units, and the flow in those of the
+        given one.
+
+    Raises
+    ------
+    ConfigError
+        If the fiber does not fit into its cell, a number is out of its range, or nothing strains.
+    ConvergenceError
+        If the cell does not converge.
+    """
+    strain, spin = strain_at(gradient, checked_number("angle", angle))
+    size = float(np.hypot(*strain))
+    numerics = THINNING_NUMERICS if numerics is None else numerics
+    rate = checked_positive("rate of deformation", 2.0 * size, "1/s", "100")
+    phase = float(np.arctan2(strain[1], strain[0]))
+    found = ThinningCell(fiber, domain_size, law, numerics).around(rate, phase)
+    stress = float(law.viscosity_at(rate)) * size
+    seen = turned_to_flow(found.points, size * found.velocity, stress * found.pressure, spin, angle)
+    return found, seen
 
 
 @exclusive

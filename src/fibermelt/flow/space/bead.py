@@ -14,12 +14,11 @@ import ngsolve as ng
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.declared import declared, refuse_beyond
 from fibermelt.errors import ConfigError, ConvergenceError, refuse_other
 from fibermelt.flow.forms import BedFilm
 from fibermelt.flow.freesurface import FreeSurfaceFlow
 from fibermelt.flow.mesh import scaled
-from fibermelt.flow.problem import BeadDeposition
+from fibermelt.flow.problem import WET, BeadDeposition, BeadNumerics
 from fibermelt.flow.space.field import BeadField, bead_field_of
 from fibermelt.flow.space.guess import BeadGuess
 from fibermelt.flow.space.tube import Tube, tube_mesh
@@ -30,7 +29,7 @@ from fibermelt.numerals import measured
 from fibermelt.shown import Shown
 from fibermelt.threads import exclusive
 
-__all__ = ["BeadError", "BeadNumerics", "BeadSolution", "solve_bead"]
+__all__ = ["BeadError", "BeadSolution", "bead_tube", "solve_bead"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -69,10 +68,6 @@ off. Beyond 1 the film hardly holds it."""
 CLIMB = 1e-3
 """A surface this many diameters above the lip wets the nozzle's outer face, which is not here."""
 
-WET = 2.0
-"""The bed is wet where the surface lies this many films above it, or less. In the plane that is
-within 0.005 widths of where a sharp contact line lies."""
-
 PROFILE_POINTS = 2001
 """Points of an inlet profile that is no parabola; linear between them, to 1e-6 of its height."""
 
@@ -80,56 +75,18 @@ AT_OUTLET = 1e-6
 """A point this near to the outlet's plane [diameters] lies in it."""
 
 
-@dataclass(frozen=True)
-class BeadNumerics:
-    """How finely and how strictly a bead in space is solved; lengths in diameters of the capillary.
-
-    Parameters
-    ----------
-    flow_order : int
-        Polynomial degree of the velocity, 2 or 3; the pressure has one less.
-    lip_edge : float
-        Thickness of the layers at the lip, along the middle of the strand.
-    bulk_edge : float
-        Thickness of layers away from it.
-    rim_edge : float
-        Width of the outermost ring of the section.
-    sectors : int
-        Elements around half of the section, a multiple of four.
-    edge_growth : float
-        How fast edges may grow away from the lip and the rim: added length per distance.
-    film : float
-        Thickness of the film that is the bed; the answer is extrapolated from it and twice it.
-    flow_tolerance : float
-        Newton stops after a step that moves no mesh node further. It converges quadratically.
-    """
-
-    flow_order: int = declared(2, ge=2, le=3)
-    lip_edge: float = declared(0.06, ge=1e-3, le=0.5)
-    bulk_edge: float = declared(0.3, ge=0.05, le=0.5)
-    rim_edge: float = declared(0.05, ge=1e-3, le=0.25)
-    sectors: int = declared(16, ge=8, le=96)
-    edge_growth: float = declared(0.3, ge=0.05, le=1)
-    film: float = declared(0.015, ge=1e-3, le=0.05)
-    flow_tolerance: float = declared(2e-4, ge=1e-10, le=1e-3)
-
-    def __post_init__(self) -> None:
-        """Refuse numerics that no mesh can follow."""
-        refuse_beyond("numerics", self)
-        if self.sectors % 4:
-            msg = f"numerics.sectors = {self.sectors}: must be a multiple of four"
-            raise ConfigError(msg)
-
-    def tube(self, stations: tuple[float, float], coarsening: float = 1.0) -> Tube:
-        """Return the mesh's layers, rings and sectors."""
-        lip, bulk, rim = (
-            coarsening * edge for edge in (self.lip_edge, self.bulk_edge, self.rim_edge)
-        )
-        up, down = (graded_spacing(abs(end), bulk, self.edge_growth, start=lip) for end in stations)
-        # in radii of the section; its middle is smooth
-        inwards = graded_spacing(1.0, 0.4 * coarsening, self.edge_growth, start=2 * rim)
-        sectors = 4 * max(2, round(self.sectors / (4 * coarsening)))
-        return Tube(np.r_[-up[:0:-1], down], 1.0 - inwards[::-1], sectors)
+def bead_tube(
+    numerics: BeadNumerics, stations: tuple[float, float], coarsening: float = 1.0
+) -> Tube:
+    """Return the mesh's layers, rings and sectors."""
+    lip, bulk, rim = (
+        coarsening * edge for edge in (numerics.lip_edge, numerics.bulk_edge, numerics.rim_edge)
+    )
+    up, down = (graded_spacing(abs(end), bulk, numerics.edge_growth, start=lip) for end in stations)
+    # in radii of the section; its middle is smooth
+    inwards = graded_spacing(1.0, 0.4 * coarsening, numerics.edge_growth, start=2 * rim)
+    sectors = 4 * max(2, round(numerics.sectors / (4 * coarsening)))
+    return Tube(np.r_[-up[:0:-1], down], 1.0 - inwards[::-1], sectors)
 
 
 @dataclass(frozen=True)
@@ -332,7 +289,7 @@ class _Search:
         """Return the flow on a mesh, and its shapes with the thicker and the thinner film."""
         films = [part * self.numerics.film for part in FILMS]
         guess = BeadGuess(self.nozzle, self.problem.speed_ratio, films[0])
-        mesh, middles = tube_mesh(self.numerics.tube(guess.stations, coarsening), guess)
+        mesh, middles = tube_mesh(bead_tube(self.numerics, guess.stations, coarsening), guess)
         thickness = ng.Parameter(films[0])
         boundaries = _boundaries(self.problem, BedFilm(thickness))
         order, law = self.numerics.flow_order, self.problem.scaled_law

@@ -45,6 +45,8 @@ class BeadField:
         Pressure [Pa].
     gradient : (n, 3, 3) array
         ``L[..., i, j] = d u_i / d x_j`` [1/s], without trace.
+    divergence : (n,) array
+        The trace that was taken out of it [1/s], a third from each normal component.
     viscosity : (n,) array
         Viscosity [Pa s].
     gradient_error : (n,) array
@@ -58,6 +60,7 @@ class BeadField:
     velocity: Array
     pressure: Array
     gradient: Array
+    divergence: Array
     viscosity: Array
     gradient_error: Array
 
@@ -111,6 +114,7 @@ def bead_field_of(flow: FreeSurfaceFlow, problem: BeadDeposition) -> BeadField:
         velocity=sampled[first, 3:6] * problem.bed_speed,
         pressure=sampled[first, 6] * problem.stress_scale,
         gradient=L * units,
+        divergence=trace[first] * units,
         viscosity=problem.melt.viscosity_at(rate * units),
         gradient_error=error * units,
     )

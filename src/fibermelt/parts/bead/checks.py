@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING
 from fibermelt.errors import ConfigError
 from fibermelt.parts.bead.config import Fiber, Numerics
 from fibermelt.parts.bead.shape import Sizes
-from fibermelt.parts.flow.config import Flow
+from fibermelt.parts.bead.shapes import SHAPES, choices
+from fibermelt.parts.flow.config import SOLVED, Flow
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import melt_of, thins
+from fibermelt.units import UM
 
 if TYPE_CHECKING:
     from fibermelt.engine.tables import Tables
 
-__all__ = ["LONGEST_FIBER", "fiber_notes", "refuse_fibers"]
+__all__ = ["LONGEST_FIBER", "fiber_notes", "refuse_fibers", "refuse_in_plane"]
 
 LONGEST_FIBER = 0.1
 """Length of a fiber over that of the flow around it, or over that on which the gradient changes: a
@@ -33,10 +35,25 @@ def refuse_fibers(study: Tables) -> None:
     ConfigError
         The key, the value, the bound and the way out.
     """
-    if study.table(Flow).source == "deposition":
+    source = study.table(Flow).source
+    if source in SOLVED:
         _refuse_long(study.table(Fiber), study.table(Flow).capillary_width)
+    if source == "deposition-3d":
+        refuse_in_plane(study.table(Fiber).model, study.table(Fiber).directions)
     if not study.table(Melt).missing and thins(study.values()):
         _refuse_in_thinning_melts(study)
+
+
+def refuse_in_plane(model: str, directions: str) -> None:
+    """Refuse fibers that are known in a plane only, where the flow is in space."""
+    if SHAPES[model].in_space and directions == "equal-area":
+        return
+    msg = (
+        f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
+        f"and this fiber is known in a plane: say fiber.model = {choices('in_space')} and "
+        'fiber.directions = "equal-area"'
+    )
+    raise ConfigError(msg)
 
 
 def _refuse_long(fiber: Fiber, width: float) -> None:
@@ -98,13 +115,14 @@ def _refuse_in_thinning_melts(study: Tables) -> None:
 def fiber_notes(study: Tables) -> list[str]:
     """Tell of a fiber that is no longer small beside the capillary, the gap or the bead."""
     flow, length = study.table(Flow), 2 * study.table(Fiber).half_length
-    if flow.source != "deposition":
+    if flow.source not in SOLVED:
         return []
     across = {
         "the capillary (flow.capillary_width)": flow.capillary_width,
         "the gap (flow.gap)": flow.gap,
-        "the bead (its height by mass balance)": flow.bead_height,
     }
+    if flow.source == "deposition":
+        across["the bead (its height by mass balance)"] = flow.bead_height
     tight = [
         f"{length / size:.2g} of {what}"
         for what, size in across.items()
@@ -113,6 +131,6 @@ def fiber_notes(study: Tables) -> list[str]:
     if not tight:
         return []
     return [
-        f"a fiber is {length:.3g} m long, {', '.join(tight)}: above {LONGEST_FIBER:g} the flow "
-        "changes along the fiber, and what it feels is only roughly that of its middle"
+        f"a fiber is {UM * length:.3g} um long, {', '.join(tight)}: above {LONGEST_FIBER:g} "
+        "the flow changes along the fiber, and what it feels is only roughly that of its middle"
     ]

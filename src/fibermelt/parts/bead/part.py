@@ -39,6 +39,16 @@ def _in_the_melt(values: Mapping[str, Value]) -> tuple[str, ...]:
     return from_content(values) + (("response",) if thins_at_fibers(values) else ())
 
 
+def _surrounded(values: Mapping[str, Value]) -> tuple[str, ...]:
+    """Return what a part needs besides: what surrounds a fiber whose flows do not add up.
+
+    Of a fiber in a cell, and where figures show one on its way through a nozzle.
+    """
+    has_cell = SHAPES[str(values["fiber.model"])].has_cell
+    is_shown = has_cell and values["flow.source"] == "deposition" and thins_at_fibers(values)
+    return ("surroundings",) if is_shown else ()
+
+
 def _closed_form(values: Mapping[str, Value]) -> bool:
     """Tell whether the fiber has no cell to solve: 3 ms, where writing and reading takes 70."""
     return not SHAPES[str(values["fiber.model"])].has_cell
@@ -52,6 +62,7 @@ PART = Part(
     "fibermelt.parts.flow.stages:write_fields",
     meaning="fibers along the streamlines of the deposition flow",
     tables={"fiber": Fiber, "numerics": Numerics},
+    stages_if=_surrounded,
     refuse=f"{HERE}.checks:refuse_fibers",
     notes=f"{HERE}.checks:fiber_notes",
     brings=(
@@ -67,7 +78,7 @@ PART = Part(
         ),
         Stage(
             "response",
-            2,
+            3,
             (*FIBER, LAW, "numerics.thinning_order"),
             (),
             f"{HERE}.response:response_stage",
@@ -76,7 +87,7 @@ PART = Part(
         ),
         Stage(
             "motion",
-            5,
+            6,
             (
                 *CELL,
                 LAW,
@@ -95,6 +106,14 @@ PART = Part(
             light_if=always,
             estimates=f"{HERE}.stages:motion_estimates",
             foresee=f"{HERE}.stages:foresee_motion",
+        ),
+        Stage(
+            "surroundings",
+            1,
+            (*FIBER, LAW, "numerics.thinning_order", "streamlines.features"),
+            ("streamlines", "motion"),
+            f"{HERE}.response:surroundings_stage",
+            inputs_if=from_content,
         ),
     ),
 )

@@ -71,7 +71,8 @@ class FiberShape(ABC):
     table_bounds : (float, float)
         Largest estimated errors of its table of such a melt: of the spin over the strain's size,
         and of the pressure extremes over the largest pressure. At n = 0.5 an ellipse's has 1e-5 and
-        1.2e-3, at 0.25 7e-3; finer costs minutes, and no law of a melt is known so well.
+        1.2e-3, at 0.25 3e-3; it refines itself to 5e-3 where what lies between its points decides,
+        and no law of a melt is known so well.
     stored : tuple of str
         Variables of the cell that it is read back from.
     """

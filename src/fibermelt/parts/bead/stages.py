@@ -14,17 +14,17 @@ import numpy as np
 
 from fibermelt.engine.quantities import labelled
 from fibermelt.engine.stages import Estimate, Inputs, Parameters, Say
-from fibermelt.errors import ConfigError
 from fibermelt.fiber.cell_data import CellNumerics
 from fibermelt.fiber.corner import felt_path
 from fibermelt.fiber.extremes import KINDS, ZONES, extreme_bounds, locations
 from fibermelt.fiber.population import QUANTILE_LEVELS
 from fibermelt.fiber.thinning import ThinningResponse
 from fibermelt.history import FlowHistory
+from fibermelt.parts.bead.checks import refuse_in_plane
 from fibermelt.parts.bead.followed import followed_by_newton, followed_in_plane, followed_in_space
 from fibermelt.parts.bead.quantities import QUANTITIES
 from fibermelt.parts.bead.shape import Sizes
-from fibermelt.parts.bead.shapes import SHAPES, choices
+from fibermelt.parts.bead.shapes import SHAPES
 from fibermelt.parts.melt.melt import law_of, viscosity_of
 
 if TYPE_CHECKING:
@@ -189,20 +189,7 @@ def _model_in_melt(parameters: Parameters, inputs: Inputs) -> FiberModel:
 def foresee_motion(parameters: Parameters, name: str, data: xr.Dataset) -> None:
     """Refuse fibers that are known in a plane only as soon as a field is known to be in space."""
     if name == "field" and str(data["field_geometry"].item()) == "spatial":
-        _refuse_in_plane(parameters)
-
-
-def _refuse_in_plane(parameters: Parameters) -> None:
-    """Refuse fibers that are known in a plane only, where the flow is in space."""
-    model, directions = parameters["fiber.model"], parameters["fiber.directions"]
-    if SHAPES[model].in_space and directions == "equal-area":
-        return
-    msg = (
-        f'fiber.model = "{model}" with fiber.directions = "{directions}": the flow is in space, '
-        f"and this fiber is known in a plane: say fiber.model = {choices('in_space')} and "
-        'fiber.directions = "equal-area"'
-    )
-    raise ConfigError(msg)
+        refuse_in_plane(parameters["fiber.model"], parameters["fiber.directions"])
 
 
 def _by_gradient(lines: xr.Dataset, path: FlowHistory, lowest: Any, when: Any) -> Any:
@@ -273,7 +260,7 @@ def motion_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset
     """
     path, model = stored_path(inputs["streamlines"]), _model_in_melt(parameters, inputs)
     if not path.planar:
-        _refuse_in_plane(parameters)
+        refuse_in_plane(parameters["fiber.model"], parameters["fiber.directions"])
     viscosity, count = viscosity_of(parameters), parameters["numerics.isotropic_angles"]
     lines = inputs["streamlines"]
     zone_time = stored_zones(lines)

@@ -55,9 +55,9 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     -------
     dict
         ``flow``, ``paths``, ``streamlines``, ``left_out``, ``cell``, ``extremes`` and
-        ``orientation``. A flow
-        that was not solved here has paths and what its melt goes through, and no nozzle's numbers;
-        ``field`` has the ``notes`` on how its file was read.
+        ``orientation``. The ``error_estimate`` of the flow has one of each number that has any. A
+        flow that was not solved here has paths and what its melt goes through, and no nozzle's
+        numbers; ``field`` has the ``notes`` on how its file was read.
         Extremes
         are surface pressure less streamline pressure [Pa]; their statistics run over the
         initial angles, and ``x``, ``y`` [m] are their mean position. ``bounds`` hold for every
@@ -74,6 +74,9 @@ def summarize_bead(results: xr.Dataset) -> dict[str, Any]:
     """
     told = [name for name, one in FLOW.items() if one.title and name in results]
     flow: dict[str, Any] = {name: results[name].item() for name in told} | melt_met(results)
+    error = {name: results[f"{name}_error"].item() for name in told if f"{name}_error" in results}
+    if error:
+        flow["error_estimate"] = error
     notes = str(results["field_notes"].item()).split("\n") if "field_notes" in results else []
     return {
         "flow": flow,
@@ -329,15 +332,19 @@ def bead_in_words(summary: Mapping[str, Any]) -> list[str]:
 def _bead(flow: Mapping[str, Any]) -> list[str]:
     """Return the lines on a bead that was solved for."""
     height = flow["bead_height"]
+    from_axis = " from the nozzle's axis"
     lines = (
         ("bead_height", height, 4, ""),
+        ("bead_width", height, 4, ""),
         ("inlet_pressure", flow["inlet_pressure"], 3, ""),
-        ("contact_point", height, 4, " from the nozzle's axis"),
+        ("contact_point", height, 4, from_axis),
+        ("front", height, 3, from_axis),
     )
     return [
         f"{FLOW[name].title.lower():<16}"
         f"{FLOW[name].with_unit(flow[name], size=size, digits=digits)}{whence}"
         for name, size, digits, whence in lines
+        if name in flow
     ]
 
 

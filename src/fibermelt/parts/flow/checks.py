@@ -50,6 +50,7 @@ def refuse_sources(study: Tables) -> None:
         "field": tuple(Paths.model_fields),
         "histories": ("file", "content", *STATIONS),
         "deposition": ("file", "content"),
+        "deposition-3d": ("file", "content"),
     }
     idle = [
         name

@@ -1,4 +1,4 @@
-"""The tables of the deposition flow: ``[flow]`` and ``[streamlines]``."""
+"""The tables of the deposition flow: ``[flow]``, ``[strand]``, ``[streamlines]``."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from fibermelt.engine.parameters import Section, declared_by, setting
-from fibermelt.flow.problem import Deposition, FlowNumerics, Nozzle
+from fibermelt.flow.problem import BeadNumerics, Deposition, FlowNumerics, Nozzle
 from fibermelt.parts.sources import INFERRED, PAPER_21
 
-__all__ = ["FLOW_NUMERICS", "Flow", "Numerics", "Streamlines"]
+__all__ = ["FLOW_NUMERICS", "SOLVED", "Flow", "Numerics", "Strand", "Streamlines"]
 
 FLOW_NUMERICS = tuple(f"numerics.{one.name}" for one in fields(FlowNumerics))
 """What the flow reads of ``[numerics]``."""
+
+SOLVED = ("deposition", "deposition-3d")
+"""Sources of a flow that is solved here, of a nozzle over a bed."""
 
 OUTLET_BEADS = 2.0
 """Bead heights from the downstream lip to the outlet, at least: the swell needs the room."""
@@ -26,9 +29,10 @@ SHORTEST, LONGEST = 0.01, 100.0
 class Flow(Section):
     """The nozzle, its height over the bed, and the two speeds; or that the flow is given."""
 
-    source: Literal["deposition", "field", "histories"] = setting(
+    source: Literal["deposition", "deposition-3d", "field", "histories"] = setting(
         "deposition",
-        "Where the flow comes from: the deposition flow of this table is solved; another solver's "
+        "Where the flow comes from: the deposition flow of this table is solved, in the plane or "
+        "in space, where widths are diameters of a round nozzle ([strand]); another solver's "
         "field is read ([field], [paths]); or paths are (paths.file).",
     )
 
@@ -101,6 +105,8 @@ class Flow(Section):
             )
             raise ValueError(msg)
         self._proportions()
+        if self.source == "deposition-3d":  # what the solver in space refuses, it names
+            return self
         nearest = self.capillary_width / 2 + OUTLET_BEADS * self.bead_height
         if self.outlet < nearest:
             msg = (
@@ -132,6 +138,43 @@ class Flow(Section):
             raise ValueError(msg)
 
 
+def _edge(name: str, doc: str) -> float:
+    """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
+    edge: float = declared_by(FlowNumerics, name, f"{doc}, over the capillary's width.")
+    return edge
+
+
+def _of_bead(name: str, doc: str) -> float:
+    """Declare an edge length of a bead in space, likewise."""
+    edge: float = declared_by(BeadNumerics, name, f"{doc}, over the nozzle's diameter.")
+    return edge
+
+
+class Strand(Section):
+    """How a bead in space is solved: the film that is the bed, and the mesh."""
+
+    film: float = declared_by(
+        BeadNumerics,
+        "film",
+        "Thickness of the film that stands for the bed, over the nozzle's diameter; the bead is "
+        "extrapolated from it and twice it.",
+    )
+    lip_edge: float = _of_bead("lip_edge", "Thickness of the layers at the lip")
+    bulk_edge: float = _of_bead("bulk_edge", "Thickness of layers away from it")
+    rim_edge: float = _of_bead("rim_edge", "Width of the outermost ring of the section")
+    sectors: int = declared_by(
+        BeadNumerics, "sectors", "Elements around half of the section, a multiple of four."
+    )
+    edge_growth: float = declared_by(
+        BeadNumerics, "edge_growth", "How fast edges grow away from lip and rim, per distance."
+    )
+    flow_tolerance: float = declared_by(
+        BeadNumerics,
+        "flow_tolerance",
+        "Newton stops when no mesh node moves further than this over the nozzle's diameter.",
+    )
+
+
 class Streamlines(Section):
     """The paths that fibers take through the flow."""
 
@@ -151,12 +194,6 @@ class Streamlines(Section):
         le=1000,
         source="the paper's feature streamlines: near both edges and at the center",
     )
-
-
-def _edge(name: str, doc: str) -> float:
-    """Declare the edge length of a mesh, relative so that it suits a nozzle of any size."""
-    edge: float = declared_by(FlowNumerics, name, f"{doc}, over the capillary's width.")
-    return edge
 
 
 class Numerics(Section):

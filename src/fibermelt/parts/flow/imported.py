@@ -29,7 +29,15 @@ if TYPE_CHECKING:
     from fibermelt.fields.paths import FieldPath, Seeds
     from fibermelt.history import FlowHistory
 
-__all__ = ["along_paths", "field_stage", "paths_of", "stations", "stored_field"]
+__all__ = [
+    "along_paths",
+    "field_arrays",
+    "field_stage",
+    "paths_of",
+    "stations",
+    "stored_field",
+    "traced",
+]
 
 FIELD_VALUES = (
     "points",
@@ -55,19 +63,23 @@ def field_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     say(f"{len(field.points)} points, {len(field.cells)} cells, {field.geometry}")
     for note in field.notes:
         say(note)
-    arrays = {f"field_{name}": np.asarray(getattr(field, name)) for name in FIELD_VALUES}
+    return labelled(field_arrays(field), QUANTITIES)
+
+
+def field_arrays(field: Field) -> dict[str, Any]:
+    """Return a field as it is stored."""
+    arrays: dict[str, Any] = {
+        f"field_{name}": np.asarray(getattr(field, name)) for name in FIELD_VALUES
+    }
     for name in FLAGS:
         arrays[name] = arrays[name].astype(np.int8)
     known = [name for name in OPTIONAL if getattr(field, name) is not None]
-    return labelled(
-        {
-            **arrays,
-            **{f"field_{name}": getattr(field, name) for name in known},
-            "field_geometry": field.geometry,
-            "field_notes": "\n".join(field.notes),
-        },
-        QUANTITIES,
-    )
+    return {
+        **arrays,
+        **{f"field_{name}": getattr(field, name) for name in known},
+        "field_geometry": field.geometry,
+        "field_notes": "\n".join(field.notes),
+    }
 
 
 def stored_field(data: xr.Dataset) -> Field:
@@ -106,7 +118,7 @@ def _trace(
     paths = trace_field(field, seeds, points, law, longest)
     ends = [path.end for path in paths]
     say(", ".join(f"{ends.count(end)} end by {end}" for end in sorted(set(ends))))
-    return [path.history for path in paths], _traced(paths)
+    return [path.history for path in paths], traced(paths)
 
 
 def _seeds(parameters: Parameters, field: Field) -> Seeds:
@@ -126,7 +138,7 @@ def _seeds(parameters: Parameters, field: Field) -> Seeds:
     return through.flux_seeds(field, section, wanted["count"])
 
 
-def _traced(paths: Sequence[FieldPath]) -> dict[str, Any]:
+def traced(paths: Sequence[FieldPath]) -> dict[str, Any]:
     """Return traced paths as they are stored."""
     return {
         **along_paths([path.history for path in paths]),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fibermelt.engine.parts import Part
 from fibermelt.engine.stages import Stage
-from fibermelt.parts.flow.config import FLOW_NUMERICS, Flow, Numerics, Streamlines
+from fibermelt.parts.flow.config import FLOW_NUMERICS, Flow, Numerics, Strand, Streamlines
 from fibermelt.parts.flow.field_table import ImportedField
 from fibermelt.parts.flow.paths_table import Paths
 from fibermelt.parts.melt.melt import LAW
@@ -21,10 +21,13 @@ HERE = "fibermelt.parts.flow"
 
 
 def _flow_of(values: Mapping[str, Value]) -> tuple[str, ...]:
-    """Return where the paths lead through: the deposition flow, a field, or nothing."""
-    return {"deposition": ("flow",), "field": ("field",), "histories": ()}[
-        str(values["flow.source"])
-    ]
+    """Return where the paths lead through: a deposition flow, a field, or nothing."""
+    return {
+        "deposition": ("flow",),
+        "deposition-3d": ("strand",),
+        "field": ("field",),
+        "histories": (),
+    }[str(values["flow.source"])]
 
 
 PART = Part(
@@ -35,6 +38,7 @@ PART = Part(
         "field": ImportedField,
         "paths": Paths,
         "numerics": Numerics,
+        "strand": Strand,
     },
     brings=(
         Stage(
@@ -46,6 +50,14 @@ PART = Part(
             compute_from=f"{HERE}.stages:flow_from",
             scaled=f"{HERE}.stages:flow_scaled",
             estimates=f"{HERE}.stages:flow_estimates",
+        ),
+        Stage(
+            "strand",
+            1,
+            ("flow", LAW, "strand"),
+            (),
+            f"{HERE}.strand:strand_stage",
+            estimates=f"{HERE}.strand:strand_estimates",
         ),
         Stage("field", 4, ("field",), (), f"{HERE}.imported:field_stage"),
         Stage(

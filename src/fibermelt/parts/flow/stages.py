@@ -18,6 +18,8 @@ from fibermelt.flow.vtu import write_vtu
 from fibermelt.parts.flow.config import FLOW_NUMERICS
 from fibermelt.parts.flow.imported import along_paths, paths_of
 from fibermelt.parts.flow.quantities import QUANTITIES
+from fibermelt.parts.flow.strand import FINER as FINER_STRAND
+from fibermelt.parts.flow.strand import stored_bead, strand_paths
 from fibermelt.parts.melt.melt import LAW, NEWTONIAN, law_of, thins
 from fibermelt.parts.melt.quantities import QUANTITIES as MELT
 
@@ -234,6 +236,9 @@ def _solution(parameters: Parameters, flow: xr.Dataset) -> FlowSolution:
 
 def streamlines_stage(parameters: Parameters, inputs: Inputs, say: Say) -> xr.Dataset:
     """Trace the streamlines of equal flux, or return the paths of a flow from elsewhere."""
+    if parameters["flow.source"] == "deposition-3d":
+        found = strand_paths(parameters, inputs["strand"], say)
+        return labelled(found | _law_curve(parameters), QUANTITIES | MELT)
     if parameters["flow.source"] != "deposition":
         return paths_of(parameters, inputs, say).assign(labelled(_law_curve(parameters), MELT))
 
@@ -286,6 +291,8 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
         for name in ("gradient_error", "shear_rate")
     )
     share = float(np.max(error / rate, initial=0.0))
+    if parameters["flow.source"] == "deposition-3d":
+        return (Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, FINER_STRAND),)
     if parameters["flow.source"] != "deposition":
         cure = "take a file on a finer mesh, or one that has the gradient (field.gradient)"
         return (Estimate("gradient_error over shear_rate", share, GRADIENT_BOUND, cure),)
@@ -298,6 +305,7 @@ def streamline_estimates(parameters: Parameters, lines: xr.Dataset) -> tuple[Est
 
 def write_fields(results: xr.Dataset, folder: Path) -> None:
     """Write the flow for ParaView; one that was given is there already."""
-    if "cell_nodes" not in results:
-        return
-    write_vtu(_field(results), folder / "flow.vtu")
+    if "cell_nodes" in results:
+        write_vtu(_field(results), folder / "flow.vtu")
+    elif "strand_cells" in results:
+        write_vtu(stored_bead(results), folder / "flow.vtu")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fibermelt.errors import ConfigError
-from fibermelt.parts.flow.config import Flow, Numerics
+from fibermelt.parts.flow.config import SOLVED, Flow, Numerics
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.melt.melt import refuse_incomplete, refuse_unphysical, thins
 
@@ -39,7 +39,7 @@ def refuse_melts(study: Tables) -> None:
         # The highest rate of deformation that the flow's mesh resolves at a lip.
         lip = study.table(Numerics).lip_edge * flow.capillary_width
         fastest = max(flow.bed_speed, flow.inlet_speed) / lip
-        refuse_unphysical(melt, fastest if flow.source == "deposition" else USUAL_RATE)
+        refuse_unphysical(melt, fastest if flow.source in SOLVED else USUAL_RATE)
     known = [part.name for part in study.asked if NEWTONIAN in part.traits]
     if known and not melt.missing and thins(study.values()):
         rest = ", ".join(f'"{name}"' for name in study.study.parts if name not in known)

@@ -54,6 +54,13 @@ def refuse_process(study: Tables) -> None:
     source, given = study.table(Flow).source, _given(process)
     if not given:
         return
+    if source == "deposition-3d":
+        msg = (
+            f"process.{given[0]}: lends [flow] a slot in the plane for a round nozzle, and "
+            'flow.source = "deposition-3d" takes the nozzle as it is: say flow.capillary_width and '
+            "the rest of [flow] in its place"
+        )
+        raise ConfigError(msg)
     if source != "deposition":
         msg = (
             f'process.{given[0]}: is not read with flow.source = "{source}", a flow that is there '

@@ -26,7 +26,7 @@ PART = Part(
     brings=(
         Stage(
             "thinning",
-            2,
+            3,
             (
                 "thinning",
                 "flow",

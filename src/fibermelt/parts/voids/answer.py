@@ -17,7 +17,16 @@ from fibermelt.report.kit.tables import number, short
 from fibermelt.units import MM, MPA, PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
 
-__all__ = ["LABELS", "MOISTURE", "NO_CHANGE", "PAPER", "SAFETY", "answered", "dry_enough"]
+__all__ = [
+    "LABELS",
+    "MOISTURE",
+    "NO_CHANGE",
+    "PAPER",
+    "SAFETY",
+    "answered",
+    "by_layer",
+    "dry_enough",
+]
 
 BOILS = "Does the melt boil at rest?"
 ADDED = "What do the fibers add?"
@@ -34,8 +43,20 @@ LABELS = {
 }
 """The questions, and what stands for each at the head of a line on a terminal."""
 
-PAPER = {"fibers": 9.844, "melt": 22.92}
-"""Severity of the paper's bead at its 0.17 % moisture, as `fibermelt run paper` finds it."""
+PAPER: Mapping[str, Any] = {
+    "name": "the paper’s bead",
+    "fibers": 9.844,
+    "melt": 22.92,
+    "profile": [
+        {"fibers": fibers, "melt": melt}
+        for fibers, melt in (
+            (15.33, 37.62), (16.74, 35.92), (14.83, 27.62), (10.18, 22.52), (7.224, 20.35),
+            (5.914, 19.24), (6.147, 18.74), (7.257, 18.66), (9.843, 19.28), (11.20, 19.79),
+        )
+    ],
+}  # fmt: skip
+"""Severity of the paper's bead at its 0.17 % moisture, and by layer from the bed, as
+`fibermelt run paper` finds it."""
 
 SAFETY = 2.0
 """Factor by which the vapor pressure of a card may be off at one moisture: of water in ABS the
@@ -203,14 +224,56 @@ def _content(voids: Mapping[str, Any]) -> str:
 
 def _against(voids: Mapping[str, Any], fibers: float) -> str:
     """Return the severity beside that of another run, or of the paper's bead."""
-    other = voids.get(
-        "against", {"name": "the paper’s bead", **PAPER} if voids["profile"] else None
-    )
+    other = _other(voids)
     if other is None:
         return ""
     if not other["fibers"]:
         return f"; on {other['name']} they add nothing"
-    return f"; {number(fibers / other['fibers'], 2)} times what they add on {other['name']}"
+    told = f"; {number(fibers / other['fibers'], 2)} times what they add on {other['name']}"
+    known = [one for one in by_layer(voids) if one["ratio"] is not None]
+    if len(known) < 2:
+        return told
+    low, high = (extreme(known, key=lambda one: float(one["ratio"])) for extreme in (min, max))
+    least, most = (number(one["ratio"], 2) for one in (low, high))
+    if least == most:
+        return told
+    return (
+        f"{told}, layer by layer from {least} ({number(MM * low['height'], 2)} mm above the bed) "
+        f"to {most} ({number(MM * high['height'], 2)} mm)"
+    )
+
+
+def _other(voids: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Return what a bead is held against: another run, or the paper's bead; paths have none."""
+    found: Mapping[str, Any] | None = voids.get("against", PAPER if voids["profile"] else None)
+    return found
+
+
+def by_layer(voids: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return what fibers add in each layer from the bed up, over that of the bead held against.
+
+    Layers are of equal flux: those of another number of layers are taken by what lies below them.
+
+    Parameters
+    ----------
+    voids : mapping
+        What summary.json has under ``"voids"``; with ``"against"`` where that is another run.
+
+    Returns
+    -------
+    list of dict
+        ``"height"`` [m] and ``"ratio"``; None where either is not known, or adds nothing.
+    """
+    layers, other = voids["profile"], _other(voids)
+    others = other["profile"] if other is not None else []
+    found = []
+    for k, layer in enumerate(layers):
+        here = layer["severity"]["fibers"]
+        place = int((k + 0.5) / len(layers) * len(others))
+        there = others[place]["fibers"] if others else None
+        ratio = here / there if here is not None and there else None
+        found.append({"height": layer["height"], "ratio": ratio})
+    return found
 
 
 def _lowest(voids: Mapping[str, Any]) -> float:

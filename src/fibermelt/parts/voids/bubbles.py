@@ -111,8 +111,8 @@ def bubbles(
     Returns
     -------
     dict
-        Arrays by the names of `fibermelt.parts.voids.quantities`; NaN without nuclei, or where the
-        card has no diffusivity or no surface tension.
+        Arrays by the names of `fibermelt.parts.voids.quantities`; without nuclei, or where the card
+        has no diffusivity or no surface tension, NaN, and no radii in time.
     """
     lines, motion = inputs["streamlines"], inputs["motion"]
     added = motion["lowest"].transpose("streamline", "initial_angle", "point").to_numpy()
@@ -193,8 +193,6 @@ def _nothing(paths: tuple[int, int]) -> dict[str, Array]:
         "void_radius": on_fibers,
         "void_radius_rest": alone,
         "void_radius_error": on_fibers,
-        "void_radius_time": np.full((*paths, 1), np.nan),
-        "void_radius_along": np.full((*paths, 1), np.nan),
         "void_gas": alone,
         "void_gas_rest": alone,
     }

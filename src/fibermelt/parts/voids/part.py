@@ -43,7 +43,7 @@ PART = Part(
     brings=(
         Stage(
             "voids",
-            6,
+            7,
             ("voids", CARD, "melt.temperature", "melt.density", "fiber.melt", LAW, *NUCLEI),
             ("streamlines", "cell", "motion"),
             f"{HERE}.stages:voids_stage",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     Array = NDArray[np.float64]
 
@@ -42,9 +42,10 @@ SEVERITIES = ("severity_melt", "severity_fibers")
 """What ranks a bead and needs no nucleus."""
 
 
-def gas_share(gas: Array) -> Array:
+def gas_share(gas: ArrayLike) -> Array:
     """Return the share of gas [-] from its volume over that of melt and fibers [-]."""
-    return gas / (1.0 + gas)
+    volume = np.asarray(gas)
+    return np.asarray(volume / (1.0 + volume))
 
 
 def layer_weights(height: Array, regular: NDArray[np.bool_], layers: int) -> Array:
@@ -181,19 +182,19 @@ def _severity(found: Mapping[str, Any], regular: NDArray[np.bool_]) -> dict[str,
     if not regular.any():
         return dict.fromkeys((*SEVERITIES, *(f"{name}_error" for name in SEVERITIES)), np.nan)
     melt = found["void_basis"].index("melt")
-    own, own_error, on_fibers, on_fibers_error = (
+    own, own_error, added, on_fibers_error = (
         float(np.mean(values[regular]))
         for values in (
             found["void_exponent"][:, melt],
             found["void_exponent_error"][:, melt],
-            found["void_fiber_exponent"],
+            found["void_added_exponent"],
             found["void_fiber_exponent_error"],
         )
     )
     return {
         "severity_melt": own,
         "severity_melt_error": own_error,
-        "severity_fibers": on_fibers - own,
+        "severity_fibers": added,
         "severity_fibers_error": on_fibers_error + own_error,
     }
 

@@ -112,6 +112,9 @@ QUANTITIES = declared(
     Q("void_fiber_exponent", "streamline initial_angle", "1", "growth exponent on a fiber"),
     Q("void_fiber_exponent_error", "streamline initial_angle", "1",
       "by how much every second point has the exponent on a fiber otherwise"),
+    Q("void_added_exponent", "streamline", "1",
+      "what fibers add: growth exponent on a fiber less that of the melt's own pressure, mean over "
+      "the initial angles"),
     # Nuclei; NaN where the card has no diffusivity or no surface tension.
     Q("void_radius", "streamline initial_angle void_station", "m",
       "radius of a bubble at the tip of a fiber", shown_in="µm"),

@@ -192,7 +192,8 @@ def _profile(found: Mapping[str, Any]) -> Table:
         )
         for layer in reversed(layers)
     ]
-    return Table("From the free surface down to the bed, means by flux", columns, rows)
+    caption = "From the free surface down to the bed, means by flux"
+    return Table(caption, columns, rows, scrolls=True)
 
 
 def _lines(found: Mapping[str, Any]) -> Table:

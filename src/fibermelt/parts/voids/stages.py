@@ -128,6 +128,10 @@ def assess_bead(
         "void_station": list(STATIONS),
         **bubbles(inputs, melt, viscosity, nuclei),
     }
+    arrays["void_added_exponent"] = (
+        arrays["void_fiber_exponent"].mean(axis=-1)
+        - arrays["void_exponent"][:, basis.index("melt")]
+    )
     regular = lines["near_singularity"].to_numpy() == 0
     arrays |= joint_limits(
         lines["time"].to_numpy()[regular],

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fibermelt.engine.quantities import or_none
-from fibermelt.parts.voids.answer import LABELS, answered
+from fibermelt.parts.voids.answer import LABELS, answered, by_layer
 from fibermelt.parts.voids.profile import FELT, gas_share
 from fibermelt.parts.voids.quantities import QUANTITIES
+from fibermelt.report.kit.tables import number
 from fibermelt.units import PERCENT, ZERO_CELSIUS
 from fibermelt.voids.constants import ATMOSPHERE
 
@@ -239,6 +240,12 @@ def voids_in_words(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"lowest local    not told: every {word} passes a sharp corner")
     else:
         lines += _worst(voids, worst)
+    if "against" in voids:
+        ratios = ", ".join(number(one["ratio"], 2) for one in by_layer(voids))
+        lines.append(
+            f"by layer        of what fibers add on {voids['against']['name']}, from the bed up: "
+            f"{ratios} times"
+        )
     lines += [f"{LABELS[one['question']]:<15} {one['answer']}" for one in voids["answer"]]
     if "held" in voids:
         lines.append(f"held            {voids['held']}")

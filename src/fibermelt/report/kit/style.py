@@ -103,6 +103,9 @@ SHADES, DARKEST, LIGHTEST = "plasma", 0.12, 0.85
 PNG_DOTS, SVG_DOTS = 180, 115
 """Dots per inch of PNG, and of what is painted inside SVG: smooth fields, whose bytes count."""
 
+EFFORT = 3
+"""Of 9, to pack PNG: in 60 % of the time of the usual 6, for 7 % more bytes."""
+
 DECIMALS = re.compile(r"(\.\d\d)\d+")
 """Digits of an SVG's coordinates beyond hundredths of a point, which is a few micrometres."""
 
@@ -394,5 +397,10 @@ def save(figure: Figure, stem: Path, title: str, words: Words) -> list[Path]:
             drawn, format="svg", dpi=SVG_DOTS, metadata={**told, "Date": None, "Creator": SALT}
         )
         svg.write_text(_shortened(drawn.getvalue()), encoding="utf-8", newline="\n")
-        figure.savefig(png, dpi=PNG_DOTS, metadata={**told, "Software": None})
+        figure.savefig(
+            png,
+            dpi=PNG_DOTS,
+            metadata={**told, "Software": None},
+            pil_kwargs={"compress_level": EFFORT},
+        )
     return [svg, png]

@@ -74,6 +74,15 @@ def printed(text: str) -> str:
     return raised.replace("inf", "∞").replace("-", "−")
 
 
+UNITS = r"[mµn]?m|[mc]?m/s|m?s|M?Pa|Pa s|%|°C|°|K|mm[³^]\S*"
+"""What stands behind a number in a sentence."""
+
+
+def unbroken(text: str) -> str:
+    """Return a sentence, or markup, whose numbers stay on one line with their units."""
+    return type(text)(re.sub(rf"(?<=\d) (?=(?:{UNITS})(?!\w))", "\u00a0", text))
+
+
 def sized(value: float | None, size: float, digits: int = 3) -> str:
     """Return a number with the decimals that a size asks for; a dash where there is none.
 
@@ -144,6 +153,9 @@ class Table:
         Its columns; the first names the rows.
     rows : sequence of sequences of str
         Its cells; what is not `Markup` is escaped.
+    scrolls : bool
+        Whether it stays a table where it is wider than the screen, to be read down its columns;
+        by default rows of many columns become lists.
 
     Raises
     ------
@@ -154,6 +166,7 @@ class Table:
     caption: str
     columns: Sequence[Column]
     rows: Sequence[Sequence[str]]
+    scrolls: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that is too short or too long."""

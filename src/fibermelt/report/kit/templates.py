@@ -22,6 +22,7 @@ FILTERS = (
     tables.ranged,
     tables.short,
     tables.sized,
+    tables.unbroken,
 )
 """How numbers are written, by the same names in templates."""
 

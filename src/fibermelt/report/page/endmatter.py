@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from fibermelt.parts.flow.config import SOLVED
 from fibermelt.report.kit.sections import section
 from fibermelt.report.kit.tables import Column, Table
 from fibermelt.report.page.sources import sources_of
@@ -31,7 +32,7 @@ def files(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return what lies beside the page in its folder."""
     del summary
     values = parameters(results)
-    parts = values["study.parts"] if values["flow.source"] == "deposition" else ()
+    parts = values["study.parts"] if values["flow.source"] in SOLVED else ()
     return {
         "columns": (Column("File", is_text=True), Column("What it is", is_text=True)),
         "files": [(name, what) for name, part, what in BESIDE if not part or part in parts],

@@ -16,7 +16,7 @@ from fibermelt.engine.finished import read_finished
 from fibermelt.engine.outputs import replace_output
 from fibermelt.engine.schema import REPORT
 from fibermelt.errors import StoreError
-from fibermelt.parts.bead.figures.interactive import NEEDS, bead_data
+from fibermelt.parts.bead.figures.interactive import moving_figure
 from fibermelt.parts.flow.figures.judged import vapor_above_air
 from fibermelt.report.kit.glossary import glossary
 from fibermelt.report.kit.templates import rendered, text_of
@@ -67,13 +67,11 @@ def render(
             "glossary": glossary(),
             "judges": vapor_above_air(results) is not None,
             "what_was_run": run,
-            "bead": Markup(bead_data(results))
-            if NEEDS.issubset(results)
-            else None,  # escaped there
+            "moving": moving_figure(results),
             "opening": next((one for one in sections if one.section is OPENING), None),
             "sections": [one for one in sections if one.section is not OPENING],
             "style": Markup(text_of("report/page/style.css")),
-            "script": Markup(text_of("report/page/bead.js")),
+            "script": Markup(text_of("report/page/moving.js")),
         },
     )
     return str(page).encode()

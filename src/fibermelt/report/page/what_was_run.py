@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from fibermelt.engine.parameters import Declaration, declarations, flatten
 from fibermelt.errors import ConfigError, StoreError
+from fibermelt.parts.flow.config import SOLVED
 from fibermelt.parts.interaction.config import OWN
 from fibermelt.parts.melt.config import Melt
 from fibermelt.parts.process.config import Process
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["parameters", "title_of", "what_was_run"]
 
-KEY = ("process", "flow", "field", "paths", "melt", "fiber", "streamlines")
+KEY = ("process", "flow", "strand", "field", "paths", "melt", "fiber", "streamlines")
 """Tables of a study of the bead that are open; the others are folded."""
 
 OF_OTHERS = frozenset(
@@ -117,7 +118,9 @@ def what_was_run(results: xr.Dataset) -> Markup:
 
 def _of_the_source(by_section: dict[str, list[Declaration]], source: str) -> None:
     """Leave out what says of a flow where it does not come from."""
-    if source == "deposition":
+    if source != "deposition-3d":
+        del by_section["strand"]
+    if source in SOLVED:
         del by_section["field"], by_section["paths"]
         return
     by_section["flow"] = [item for item in by_section["flow"] if item.key == "flow.source"]

@@ -1,4 +1,6 @@
-"""What the page's moving figure is fed with: bead, streamlines and fibers in whole numbers.
+"""What the page's moving figure is fed with: paths and fibers in whole numbers, what is around.
+
+Any paths will do: streamlines in a bead, or those of a flow from elsewhere, in a plane or in space.
 
 Lengths are in hundredths of a millimetre, times in tenths of a millisecond, pressures in
 kilopascals, angles in tenths of a degree: finer than a screen shows, and short to write.
@@ -7,23 +9,27 @@ kilopascals, angles in tenths of a degree: finer than a screen shows, and short 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from markupsafe import Markup
 
+from fibermelt.parts.bead.figures.paths import field_edges
 from fibermelt.parts.flow.figures.judged import vapor_above_air
-from fibermelt.parts.flow.figures.lines import evenly, features
+from fibermelt.parts.flow.figures.lines import evenly, features, line_word
 from fibermelt.report.kit.drawing import METAL_THICKNESS
-from fibermelt.report.kit.scene import MPA, Scene, Window, read_scene
+from fibermelt.report.kit.scene import MM, MPA, Window, read_scene
 from fibermelt.report.kit.style import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["NEEDS", "bead_data"]
+__all__ = ["Moving", "moving_data", "moving_figure"]
 
-NEEDS = frozenset({"zone_angle", "node_x"})
-"""Variables that only results of fibers in the bead have together."""
+NEEDS = frozenset({"lowest", "bound_lowest", "near_singularity"})
+"""Variables that results of fibers along paths have."""
 
 LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
 """From SI to the page's whole numbers."""
@@ -31,35 +37,93 @@ LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
 MOST_LINES, MOST_ANGLES, MOST_POINTS = 30, 13, 120
 """Streamlines, initial angles and points that are shown of however many there are."""
 
+MOST_IN_SPACE = 20
+"""Paths in space that are shown: their fibers have two angles."""
+
+MOST_EDGES = 3000
+"""Edges around paths that are shown: more of them hide the paths, and take their room."""
+
 EXACT = 0.01
 """Largest distance [mm] of the shown outline from the stored one: less than a dot."""
 
 
-def bead_data(results: xr.Dataset) -> str:
+@dataclass(frozen=True)
+class Moving:
+    """The moving figure as a page takes it.
+
+    Parameters
+    ----------
+    section : str
+        Name of the section that it stands in.
+    line : str
+        What a line that fibers are followed along is called.
+    views : mapping
+        From where or how near it is seen, in words, by name; the first is shown first.
+    in_space : bool
+        Whether the paths leave the plane, so that the drawing can be turned.
+    fibers_in_space : bool
+        Whether the fibers do.
+    has_zones : bool
+        Whether the zones' times are known.
+    data : Markup
+        `moving_data`, escaped there.
+    """
+
+    section: str
+    line: str
+    views: Mapping[str, str]
+    in_space: bool
+    fibers_in_space: bool
+    has_zones: bool
+    data: Markup
+
+
+BEAD_VIEWS = {"whole": "whole bead", "exit": "nozzle’s exit"}
+SPACE_VIEWS = {"side": "from its side", "above": "from above", "along": "along the x axis"}
+
+
+def moving_figure(results: xr.Dataset) -> Moving | None:
+    """Return the moving figure of results, None of those without fibers along paths."""
+    if not NEEDS.issubset(results):
+        return None
+    in_bead, in_space = "node_x" in results, "z" in results
+    return Moving(
+        section="bead" if in_bead else "flow",
+        line=line_word(results),
+        views=BEAD_VIEWS if in_bead else SPACE_VIEWS if in_space else {},
+        in_space=in_space,
+        fibers_in_space=in_space or "elevation" in results,
+        has_zones="zone_time" in results,
+        data=Markup(moving_data(results)),
+    )
+
+
+def moving_data(results: xr.Dataset) -> str:
     """Return JSON for the moving figure, safe inside a script element.
 
     Parameters
     ----------
     results : xarray.Dataset
-        Results with fibers in the bead.
+        Results of fibers along paths.
 
     Returns
     -------
     str
-        Streamlines with, for each point that is kept, place, time, pressure of the melt, bounds
+        Paths with, for each point that is kept, place, time, pressure of the melt, bounds
         over every orientation, direction of the flow, and for each initial angle the fiber's
-        angle and its lowest and highest pressure less the melt's. Points are dense where
+        direction and its lowest and highest pressure less the melt's. Points are dense where
         something changes, and hold every fiber's lowest pressure. ``vapor`` is the vapor pressure
-        of the moisture in the melt, null where the study has none.
+        of the moisture in the melt, null where the study has none. Directions in space have a
+        second angle, out of the plane.
     """
-    scene = read_scene(results)
     starts = evenly(results.sizes["initial_angle"], MOST_ANGLES)
     marked = {feature.row: feature for feature in features(results)}
-    rows = sorted({*evenly(results.sizes["streamline"], MOST_LINES), *marked})
+    most = MOST_IN_SPACE if "elevation" in results else MOST_LINES
+    rows = sorted({*evenly(results.sizes["streamline"], most), *marked})
     colors = {feature.number: k for k, feature in enumerate(marked.values())}
     vapor = vapor_above_air(results)
     data = {
-        "scene": _scene(scene),
+        "scene": _bead(results) if "node_x" in results else _around(results),
         "vapor": None if vapor is None else round(PRESSURE / MPA * vapor),
         "ratio": float(results["aspect_ratio"]),
         "starts": [_start(results, k) for k in starts],
@@ -89,40 +153,43 @@ def _whole(values: Array, scale: float) -> list[int]:
 
 
 def _line(results: xr.Dataset, row: int, starts: list[int]) -> dict[str, Any]:
-    """Return one streamline and the fibers on it."""
+    """Return one path and the fibers on it."""
     keep = _points(results, row)
-    path = {name: results[name].to_numpy()[row, keep] for name in ("time", "x", "y", "pressure")}
-    velocity = [results[name].to_numpy()[row, keep] for name in "uv"]
-    fibers = {
-        name: results[name].to_numpy()[row][starts][:, keep]
-        for name in ("angle", "lowest", "highest")
-    }
-    return {
+
+    def along(name: str, scale: float) -> list[int]:
+        return _whole(results[name].to_numpy()[row, keep], scale)
+
+    def of_fibers(name: str, scale: float) -> list[list[int]]:
+        return [_whole(one, scale) for one in results[name].to_numpy()[row][starts][:, keep]]
+
+    u, v, *w = (results[name].to_numpy()[row, keep] for name in "uvw" if name in results)
+    kinds = {"a": ("angle", ANGLE), "low": ("lowest", PRESSURE), "high": ("highest", PRESSURE)}
+    if "elevation" in results:
+        kinds["e"] = ("elevation", ANGLE)
+    fibers = {kind: of_fibers(*what) for kind, what in kinds.items()}
+    line: dict[str, Any] = {
         "n": int(results["streamline"][row]),
         "near": bool(results["near_singularity"][row]),
-        "t": _whole(path["time"], TIME),
-        "x": _whole(path["x"], LENGTH),
-        "y": _whole(path["y"], LENGTH),
-        "p": _whole(path["pressure"], PRESSURE),
-        "d": _whole(np.arctan2(velocity[1], velocity[0]), ANGLE),
-        "low": _whole(results["bound_lowest"].to_numpy()[row, keep], PRESSURE),
-        "high": _whole(results["bound_highest"].to_numpy()[row, keep], PRESSURE),
-        "zones": _whole(results["zone_time"].to_numpy()[row], TIME),
-        "fibers": [
-            {
-                "a": _whole(fibers["angle"][k], ANGLE),
-                "low": _whole(fibers["lowest"][k], PRESSURE),
-                "high": _whole(fibers["highest"][k], PRESSURE),
-            }
-            for k in range(len(starts))
-        ],
+        "t": along("time", TIME),
+        **{name: along(name, LENGTH) for name in "xyz" if name in results},
+        "p": along("pressure", PRESSURE),
+        "d": _whole(np.arctan2(v, u), ANGLE),
+        "low": along("bound_lowest", PRESSURE),
+        "high": along("bound_highest", PRESSURE),
+        "zones": _whole(results["zone_time"].to_numpy()[row], TIME)
+        if "zone_time" in results
+        else [],
+        "fibers": [{kind: fibers[kind][k] for kind in kinds} for k in range(len(starts))],
     }
+    if w:
+        line["de"] = _whole(np.arctan2(w[0], np.hypot(u, v)), ANGLE)
+    return line
 
 
 def _points(results: xr.Dataset, row: int) -> list[int]:
     """Return the points to keep: evenly by what changes, and each fiber's deepest."""
-    changing = [results[name].to_numpy()[row] for name in ("time", "x", "y", "pressure")]
-    changing += [results[f"bound_{side}"].to_numpy()[row] for side in ("lowest", "highest")]
+    names = ("time", "pressure", "bound_lowest", "bound_highest", "x", "y", "z")
+    changing = [results[name].to_numpy()[row] for name in names if name in results]
     way = np.zeros(len(changing[0]) - 1)
     for values in changing:
         step = np.abs(np.diff(values))
@@ -131,13 +198,14 @@ def _points(results: xr.Dataset, row: int) -> list[int]:
     even = np.searchsorted(total, np.linspace(0.0, total[-1], MOST_POINTS))
     less = results["lowest"].to_numpy()[row]
     # Both are read from the page: less than the melt's own pressure, and less than the air's.
-    deepest = [np.argmin(values, axis=-1) for values in (less, less + changing[3])]
+    deepest = [np.argmin(values, axis=-1) for values in (less, less + changing[1])]
     last = len(total) - 1
     return [int(k) for k in np.unique(np.r_[0, np.minimum(even, last), *deepest, last])]
 
 
-def _scene(scene: Scene) -> dict[str, Any]:
-    """Return what is drawn below the streamlines [mm]."""
+def _bead(results: xr.Dataset) -> dict[str, Any]:
+    """Return what is drawn below the streamlines of a bead [mm]."""
+    scene = read_scene(results)
     thick = METAL_THICKNESS * float(np.ptp(scene.sides["inlet"][:, 0]))
     return {
         "whole": _window(scene.whole),
@@ -145,6 +213,15 @@ def _scene(scene: Scene) -> dict[str, Any]:
         "thick": round(thick, 2),
         "sides": {name: _plain(line) for name, line in scene.sides.items()},
     }
+
+
+def _around(results: xr.Dataset) -> dict[str, Any]:
+    """Return the edges of the field that paths run through [mm], as many as are shown."""
+    edges = field_edges(results)
+    if edges is None or len(edges) > MOST_EDGES:
+        return {"edges": []}
+    points = np.round(MM * results["field_points"].to_numpy(), 2) + 0.0
+    return {"edges": points[edges].tolist()}
 
 
 def _window(window: Window) -> list[float]:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "field_edges",
     "figure_path_extremes",
     "figure_path_histories",
     "figure_paths",
@@ -53,6 +54,9 @@ SPARSE = 200
 
 MOST_LINES = 200
 """Paths that are drawn: more hide one another."""
+
+MOST_CURVES = 30
+"""More paths than this to a panel are painted in dots inside SVG: 200 pieces of each are heavy."""
 
 SHARP = 0.8
 """Cosine between two faces of a boundary below which their edge is drawn: 37 degrees."""
@@ -155,6 +159,7 @@ def _projection(
             list(np.concatenate(segments)), cmap=against.colors, norm=against.norm, linewidth=1.1
         )
         lines.set_array(np.concatenate(colors) - against.zero)
+        lines.set_rasterized(len(segments) > MOST_CURVES)
         axes.add_collection(lines)
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
@@ -174,7 +179,7 @@ def _projection(
 
 def _draw_boundary(axes: Axes, results: xr.Dataset, plane: tuple[str, str]) -> None:
     """Draw the edges of the field: the boundary of a plane, the sharp edges of a body."""
-    edges = _edges(results)
+    edges = field_edges(results)
     if edges is None:
         return
     points = MM * results["field_points"].to_numpy()[:, ["xyz".index(name) for name in plane]]
@@ -182,7 +187,7 @@ def _draw_boundary(axes: Axes, results: xr.Dataset, plane: tuple[str, str]) -> N
     axes.add_collection(lines)
 
 
-def _edges(results: xr.Dataset) -> Index | None:
+def field_edges(results: xr.Dataset) -> Index | None:
     """Return the edges (m, 2) of the field to draw: a plane's boundary, or a body's sharp ones."""
     if "field_cells" not in results:
         return None

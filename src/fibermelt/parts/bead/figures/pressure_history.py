@@ -18,7 +18,6 @@ from fibermelt.parts.bead.figures.surroundings import (
     Instant,
     draw_contours,
     draw_fiber,
-    net,
     read_instant,
     rotation,
 )
@@ -77,7 +76,7 @@ CLEAR = 1.12
 """Arrows begin this much outside the fiber, over its size: its own motion is not drawn."""
 
 
-THINS = "In a melt that thins the flow around a fiber is no sum of stored ones: it is not drawn. "
+THINS = "In a melt that thins the flow around this fiber is not known, and not drawn. "
 
 
 def _start(results: xr.Dataset, side: Side) -> int:
@@ -102,9 +101,9 @@ def _first_lowest(results: xr.Dataset) -> Instant:
     return read_instant(results, row, fiber, point, study_of(results)["fiber"]["half_length"])
 
 
-def _is_superposed(results: xr.Dataset) -> bool:
-    """Tell whether the flow around a fiber is stored: in a melt that thins by its law it is not."""
-    return "thinning_rate" not in results
+def _is_known(results: xr.Dataset) -> bool:
+    """Tell whether the flow around a fiber is known: of melts that thin, that in a cell is."""
+    return "thinning_rate" not in results or "around_pressure" in results
 
 
 def history_words(results: xr.Dataset) -> Words:
@@ -123,7 +122,7 @@ def history_words(results: xr.Dataset) -> Words:
         "The paper's text has only Loc. 2 below the atmosphere, down to about -0.4 MPa; here this "
         f"fiber comes to {number(low[0], 3)} MPa at Loc. 1 and {number(low[1], 3)} MPa at Loc. 2.",
     )
-    around = _around_in_words(results) if _is_superposed(results) else Words(THINS, "")
+    around = _around_in_words(results) if _is_known(results) else Words(THINS, "")
     return Words(
         caption=(
             f"Fig. 16 of the paper, streamline {feature.number}: (a) lowest pressure on the fiber "
@@ -150,7 +149,7 @@ def history_words(results: xr.Dataset) -> Words:
 )
 def figure_history(results: xr.Dataset) -> Figure:
     """Draw one fiber's lowest and another's highest pressure over time, and the melt around one."""
-    around = AROUND if _is_superposed(results) else 0.0
+    around = AROUND if _is_known(results) else 0.0
     figure = new_figure(FULL, 66 + around)
     for k, side in enumerate(STARTS):
         axes = add_axes(figure, 14 + 94 * k, 10 + around, 79, 45)
@@ -262,7 +261,7 @@ def _in_micrometres(axes: Axes, results: xr.Dataset) -> None:
 def _speed(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> None:
     """Draw the speed, and arrows of the velocity relative to the fiber's centre."""
     _in_micrometres(axes, results)
-    triangles = net(results, instant.angle)
+    triangles = instant.triangles
     speed = MM * instant.speed
     even = MaxNLocator(12, steps=[1, 2, 5, 10])
     levels = np.asarray(even.tick_values(float(speed.min()), float(speed.max())))
@@ -284,7 +283,7 @@ def _pressure(axes: Axes, bar: Axes, results: xr.Dataset, instant: Instant) -> N
     _in_micrometres(axes, results)
     pressure = MPA * instant.pressure
     levels = round_up(float(np.abs(pressure).max())) * LEVELS
-    field = draw_contours(axes, net(results, instant.angle), pressure, levels, DIVERGING)
+    field = draw_contours(axes, instant.triangles, pressure, levels, DIVERGING)
     scale = color_bar(field, bar, r"$p - p_\psi$ [MPa]", upright=True)
     scale.set_ticks([*levels[::2]])
     _finish(axes, results, instant)

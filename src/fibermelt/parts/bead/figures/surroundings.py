@@ -14,7 +14,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patches import Polygon
 from matplotlib.tri import Triangulation, TriContourSet
 
-from fibermelt.fiber.surroundings import Surroundings
+from fibermelt.fiber.surroundings import FlowAround, Surroundings
 from fibermelt.report.kit.drawing import plain
 from fibermelt.report.kit.style import INK, Array
 
@@ -50,10 +50,10 @@ def rotation(angle: float) -> Array:
     return np.array([[cos, -sin], [sin, cos]])
 
 
-def net(results: xr.Dataset, angle: float = 0.0) -> Triangulation:
-    """Return the triangles around a fiber at an angle."""
-    points = results["cell_point"].to_numpy() @ rotation(angle).T
-    return Triangulation(points[:, 0], points[:, 1], results["cell_triangle"].to_numpy())
+def net(results: xr.Dataset, angle: float = 0.0, of: str = "cell") -> Triangulation:
+    """Return the triangles around a fiber at an angle, of its cell or of what was solved for it."""
+    points = results[f"{of}_point"].to_numpy() @ rotation(angle).T
+    return Triangulation(points[:, 0], points[:, 1], results[f"{of}_triangle"].to_numpy())
 
 
 def draw_fiber(axes: Axes, results: xr.Dataset, angle: float = 0.0) -> None:
@@ -111,6 +111,8 @@ class Instant:
         Velocity less that of the fiber's centre, along the flow's axes [m/s].
     pressure : (cell_node,) array
         Pressure less the melt's own [Pa].
+    triangles : Triangulation
+        The net of these nodes, along the flow's axes, in half-lengths.
     """
 
     time: float
@@ -120,6 +122,7 @@ class Instant:
     melt: Array
     around: Array
     pressure: Array
+    triangles: Triangulation
 
     @property
     def speed(self) -> Array:
@@ -131,7 +134,9 @@ class Instant:
 def read_instant(
     results: xr.Dataset, row: int, fiber: int, point: int, half_length: float
 ) -> Instant:
-    """Return the flow around a fiber in a Newtonian melt of the streamline's viscosity.
+    """Return the flow around a fiber: a sum of the cell's flows, or as it is stored of one fiber.
+
+    The sum is that of a Newtonian melt of the streamline's viscosity.
 
     Parameters
     ----------
@@ -144,9 +149,14 @@ def read_instant(
     """
     at = results.isel(streamline=row, initial_angle=fiber, point=point)
     angle = float(at["angle"])
-    flow = stored_surroundings(results).around(
-        at["gradient"].to_numpy(), angle, float(at["viscosity"])
-    )
+    if "around_pressure" in results:
+        flow = FlowAround(*(results[f"around_{k}"].to_numpy() for k in ("velocity", "pressure")))
+        triangles = net(results, angle, "around")
+    else:
+        flow = stored_surroundings(results).around(
+            at["gradient"].to_numpy(), angle, float(at["viscosity"])
+        )
+        triangles = net(results, angle)
     return Instant(
         time=float(at["time"]),
         angle=angle,
@@ -155,4 +165,5 @@ def read_instant(
         melt=np.array([float(at["u"]), float(at["v"])]),
         around=half_length * flow.velocity,
         pressure=flow.pressure,
+        triangles=triangles,
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fibermelt.engine.results import has_conditions_of_paper, study_of
 from fibermelt.parts.flow.given import is_given
+from fibermelt.parts.flow.marked import marked
 from fibermelt.report.kit.style import BLUE, GREEN, ORANGE, PINK, VERMILION, Array
 
 if TYPE_CHECKING:
@@ -32,9 +33,6 @@ __all__ = [
     "regular",
     "rest",
 ]
-
-FEATURES, PAPER_COUNT = (4, 10, 18), 22
-"""The paper's feature streamlines, and of how many."""
 
 COLORS = (BLUE, VERMILION, GREEN, ORANGE, PINK)
 """Colours of the marked streamlines, the same in every figure: no more are marked than there are
@@ -67,21 +65,13 @@ class Feature:
 
 
 def features(results: xr.Dataset) -> list[Feature]:
-    """Return the marked streamlines: those of the study's ``streamlines.features`` that exist.
-
-    If none does, or of a flow from elsewhere some do not, the paper's 4, 10 and 18 of 22, or those
-    of another number of streamlines that share the flux most nearly as these do. Beyond five, the
-    first five.
-    """
-    numbers = results["streamline"].to_numpy().tolist()
+    """Return the marked streamlines: those of the study's ``streamlines.features``, `marked`."""
+    numbers, fraction = (results[name].to_numpy() for name in ("streamline", "flux_fraction"))
     asked = study_of(results).get("streamlines", {}).get("features", [])
-    rows = [numbers.index(number) for number in dict.fromkeys(asked) if number in numbers]
-    if not rows or (is_given(results) and len(rows) < len(asked)):
-        fraction = results["flux_fraction"].to_numpy()
-        shares = [(number - 0.5) / PAPER_COUNT for number in FEATURES]
-        rows = [int(np.argmin(np.abs(fraction - share))) for share in shares]
-    marked = sorted(list(dict.fromkeys(rows))[: len(COLORS)])
-    return [Feature(row, numbers[row], color) for row, color in zip(marked, COLORS, strict=False)]
+    rows = marked(numbers, fraction, asked, given=is_given(results))
+    return [
+        Feature(row, int(numbers[row]), color) for row, color in zip(rows, COLORS, strict=False)
+    ]
 
 
 def center_feature(results: xr.Dataset) -> Feature:
