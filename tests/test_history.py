@@ -111,6 +111,17 @@ def test_the_plane_is_a_part_of_space() -> None:
         follow(swirl, 0.9, [0.3])
 
 
+def test_a_plane_that_is_given_as_one_is_not_looked_for() -> None:
+    flat = simple_shear(2.0, 3.0, 5)
+    assert vars(flat)["planar"]
+    assert not flat.plane_gradient.flags.writeable
+    # a copy is given in space, and comes to the same
+    whole = replace(flat, pressure=flat.pressure)
+    assert "planar" not in vars(whole)
+    assert whole.planar
+    assert np.array_equal(whole.plane_gradient, flat.plane_gradient)
+
+
 def test_stacked_and_taken_apart() -> None:
     paths = [linear(9), replace(linear(9), viscosity=np.full(9, 3.0))]
     both = FlowHistory.stack(paths)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fibermelt.arrays import Unchanging, real_array
+from fibermelt.arrays import Unchanging, read_only, real_array
 from fibermelt.errors import HistoryError, refuse_no_count, refuse_no_number, refuse_other
 
 __all__ = ["Consistency", "FlowHistory", "simple_shear"]
@@ -129,7 +129,7 @@ class FlowHistory(Unchanging):
         for name, unit in (("viscosity", "Pa s"), ("temperature", "K")):
             _refuse_negative(name, getattr(self, name), unit)
         _refuse_still(self.time)
-        _refuse_trace(self.gradient)
+        _refuse_trace(self.__dict__.get("plane_gradient", self.gradient))
 
     def _take_shape(self) -> None:
         """Embed what is given in a plane, and refuse shapes that disagree."""
@@ -150,6 +150,8 @@ class FlowHistory(Unchanging):
                 msg = f"history: {name} has shape {value.shape}, expected {shape} like time"
                 raise HistoryError(msg)
             if name in tails and d == 2:
+                if name == "gradient":  # known without looking at the numbers
+                    self.__dict__.update(planar=True, plane_gradient=read_only(value))
                 across = [(0, 0)] * len(axes) + [(0, 1)] * len(tails[name])
                 object.__setattr__(self, name, np.pad(value, across))
 

@@ -66,7 +66,7 @@ def interval_propagators(
     ConvergenceError
         If an interval needs more than ``2**16`` sub-steps.
     """
-    L = path.gradient
+    L = path.plane_gradient
     spin = 0.5 * (L[..., 1, 0] - L[..., 0, 1])
     normal = 0.5 * shape_factor * (L[..., 0, 0] - L[..., 1, 1])
     shear = 0.5 * shape_factor * (L[..., 0, 1] + L[..., 1, 0])

@@ -238,8 +238,9 @@ def checked_angles(initial_angles: ArrayLike) -> Array:
 
 def _spin(path: FlowHistory, shape_factor: float, angle: Array) -> Array:
     """Return ``theta_dot = W_21 + B D_12(local)`` [1/s], the paper's Eq. 59."""
-    size, double = strain_polar(path.gradient)
-    melt = 0.5 * (path.gradient[..., 1, 0] - path.gradient[..., 0, 1])
+    L = path.plane_gradient
+    size, double = strain_polar(L)
+    melt = 0.5 * (L[..., 1, 0] - L[..., 0, 1])
     local = np.sin(double[..., None, :] - 2.0 * angle)
     spin: Array = melt[..., None, :] + shape_factor * size[..., None, :] * local
     return spin

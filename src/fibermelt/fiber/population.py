@@ -126,7 +126,7 @@ def _turned_pressures(
 
     The phases alone are asked for, so the motion itself, its spin and its whole turns, is not made.
     """
-    size, double = strain_polar(path.gradient)
+    size, double = strain_polar(path.plane_gradient)
     n = path.time.shape[-1]
     amplitude = pressure_amplitude(response, viscosity, size).reshape(-1, n)
     double = double.reshape(-1, n)

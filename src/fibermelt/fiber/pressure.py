@@ -202,7 +202,7 @@ def surface_pressure(
     """
     _refuse_no_response(response)
     refuse_another_path(path, motion.path)
-    size, double = strain_polar(path.gradient)
+    size, double = strain_polar(path.plane_gradient)
     amplitude = pressure_amplitude(response, viscosity, size)
     phase = double[..., None, :] - 2.0 * motion.angle
     if isinstance(response, ThinningResponse):
@@ -227,7 +227,7 @@ def pressure_bounds(
     """
     _refuse_no_response(response)
     checked_path(path)
-    size, _ = strain_polar(path.gradient)
+    size, _ = strain_polar(path.plane_gradient)
     amplitude = pressure_amplitude(response, viscosity, size)
     if isinstance(response, ThinningResponse):
         low, mild = response.bounds(2.0 * size)

@@ -100,7 +100,7 @@ class ThinningMotion:
     @cached_property
     def spin(self) -> Array:
         """Rate of the angle [1/s], (..., n_angles, n)."""
-        L = self.path.gradient
+        L = self.path.plane_gradient
         size, double = strain_polar(L)
         omega = self.response.series(2.0 * size[..., None, :])
         W = 0.5 * (L[..., 1, 0] - L[..., 0, 1])
