@@ -62,6 +62,9 @@ GRADIENTS_2D: dict[str, Call] = {
     "ellipse_spin": lambda L: fiber.ellipse_spin(ELLIPSE, L, 0.0),
     "ellipse_torque": lambda L: fiber.ellipse_torque(ELLIPSE, L, 0.0, 0.0),
     "embed_planar": fiber.embed_planar,
+    "thinning_surroundings": lambda L: fiber.thinning_surroundings(
+        ELLIPSE, 4.0, Newtonian(1.0), L, 0.0
+    ),
 }
 GRADIENTS_3D: dict[str, Call] = {
     "ellipsoid_field": lambda L: fiber.ellipsoid_field(Ellipsoid((1, 1, 1)), L, 2.0 * AXIS),
@@ -131,6 +134,10 @@ NUMBERS: dict[str, tuple[Call, str]] = {
     "ellipse_field spin": (
         lambda x: fiber.ellipse_field(ELLIPSE, PLANAR, 0.0, OUTSIDE, x),
         "spin",
+    ),
+    "thinning_surroundings": (
+        lambda x: fiber.thinning_surroundings(ELLIPSE, 4.0, Newtonian(1.0), PLANAR, x),
+        "angle",
     ),
     "follow": (lambda x: follow(HISTORY, 0.9, np.array([x])), "initial_angles"),
     "follow factor": (lambda x: follow(HISTORY, x, np.array([0.0])), "shape_factor"),

@@ -35,7 +35,7 @@ from fibermelt.fiber.cell.solve import cell_grid, drawing
 from fibermelt.fiber.cell.stokes import COMPRESSIBILITY
 from fibermelt.fiber.cell_data import CellNumerics, FlowAround
 from fibermelt.fiber.cell_grid import CellGrid
-from fibermelt.fiber.checks import checked_number, checked_positive
+from fibermelt.fiber.checks import checked_gradient, checked_number, checked_positive
 from fibermelt.fiber.shape import Ellipse
 from fibermelt.fiber.surroundings import FlowAround as SeenFlow
 from fibermelt.fiber.surroundings import strain_at, turned_to_flow
@@ -404,7 +404,7 @@ def thinning_surroundings(
     ConvergenceError
         If the cell does not converge.
     """
-    strain, spin = strain_at(gradient, checked_number("angle", angle))
+    strain, spin = strain_at(checked_gradient(gradient, 2), checked_number("angle", angle))
     size = float(np.hypot(*strain))
     numerics = THINNING_NUMERICS if numerics is None else numerics
     rate = checked_positive("rate of deformation", 2.0 * size, "1/s", "100")

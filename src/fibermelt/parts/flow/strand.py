@@ -52,7 +52,7 @@ SCALARS = (
 """What is told of a bead in space."""
 
 LENGTH_BOUND = 0.1
-"""Largest estimated errors of height and width [diameters], an eighth of the height: of the
+"""Largest estimated errors of height, widths and heel [diameters], an eighth of the height: of the
 coarsest mesh of the tests they are 0.04 and 0.05, of the default one 0.012 and 0.014."""
 
 PRESSURE_BOUND = 0.15
@@ -103,6 +103,8 @@ def strand_estimates(parameters: Parameters, strand: xr.Dataset) -> tuple[Estima
     bounds = {
         "bead_height_error": LENGTH_BOUND * diameter,
         "bead_width_error": LENGTH_BOUND * diameter,
+        "widest_error": LENGTH_BOUND * diameter,
+        "heel_error": LENGTH_BOUND * diameter,
         "inlet_pressure_error": PRESSURE_BOUND * abs(float(strand["inlet_pressure"])),
         "mass_imbalance": AREA_BOUND,
         "kinematic_residual": RESIDUAL_BOUND,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["plane"]
 
 
-@section("plane", "What the plane gets right", place=70, needs="plane")
+@section("plane", "What the plane gets right", place=55, needs="plane")
 def plane(results: xr.Dataset, summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return the table of the bead in space and of the slot's."""
     del results
