@@ -160,6 +160,28 @@ def test_neighbours_share_their_facets() -> None:
         assert len(found.boundary) == count
 
 
+@pytest.mark.parametrize("mesh", [rectangle(3), box(3)])
+def test_where_a_single_cell_is_missing_there_is_no_boundary(mesh: Mesh) -> None:
+    k = mesh.cells.shape[1]
+    whole = facets(mesh.cells)
+    hole = int(np.flatnonzero((whole.neighbour >= 0).all(axis=1))[0])
+    cells = np.delete(mesh.cells, hole, axis=0)
+    found = facets(cells)
+    assert len(found.boundary) == len(whole.boundary)
+    assert len(facets(cells, over_slivers=False).boundary) == len(whole.boundary) + k
+    # from each of its facets the walk goes round all of the others
+    corners = set(mesh.cells[hole].tolist())
+    around = np.isin(cells, list(corners)).sum(axis=1) == k - 1
+    cell = first = int(np.flatnonzero(around)[0])
+    met = []
+    for _ in range(k):
+        met.append(cell)
+        (apart,) = np.flatnonzero(~np.isin(cells[cell], list(corners)))
+        cell = int(found.neighbour[cell, apart])
+    assert cell == first
+    assert len(set(met)) == k
+
+
 def test_only_edges_into_the_flow_are_sharp() -> None:
     assert sharp_nodes(rectangle(4).points, facets(rectangle(4).cells)).size == 0
     assert sharp_nodes(pipe(4).points, facets(pipe(4).cells)).size == 0

@@ -37,7 +37,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 from fibermelt.errors import ConfigError
 from fibermelt.fields.field import Field
 from fibermelt.fields.mapping import FieldMap
-from fibermelt.fields.paths import point_seeds, trace_field
+from fibermelt.fields.paths import flux_seeds, inflow_section, point_seeds, trace_field
 from fibermelt.fields.reading import describe_field, read_field
 from fibermelt.fields.simplices import signed_sizes
 
@@ -563,6 +563,23 @@ def test_a_cloud_keeps_its_gaps(tmp_path: Path) -> None:
     assert field.near_wall[near].all()
     far = np.linalg.norm(field.points[:, :2] - [0.5, 0.5], axis=1) < 0.2
     assert not field.near_wall[far].any()
+
+
+def test_a_cloud_in_space_has_no_boundary_where_slivers_were(tmp_path: Path) -> None:
+    side = np.linspace(-1.0, 1.0, 9)
+    x, y, z = (axis.ravel() for axis in np.meshgrid(side + 1.0, side, side, indexing="ij"))
+    u = np.column_stack([(1 - y**2) * (1 - z**2), 0 * x, 0 * x])
+    cloud = Mesh(np.column_stack([x, y, z]), np.empty((0, 4), dtype=np.int64))
+    field = read_field(fluent(tmp_path, Sample(cloud, u, -x)))
+    assert not np.asarray(field.near_edge).any()  # a duct has no edge that points into it
+    inflow = inflow_section(field)
+    seeds = flux_seeds(field, inflow, 4)
+    assert seeds.points[:, 0] == pytest.approx(0.0, abs=1e-9)
+    # (4/3)^2 but for the recovered gradient, of third order in an eighth
+    assert inflow.flux == pytest.approx(16 / 9, rel=0.01)
+    paths = trace_field(field, seeds, 60)
+    assert {path.end for path in paths} == {"outlet"}
+    assert not any(path.near_singularity for path in paths)
 
 
 def test_one_layer_of_cells_is_planar(tmp_path: Path) -> None:

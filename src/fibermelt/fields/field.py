@@ -225,10 +225,10 @@ class Field(Unchanging):
     def _beyond(self) -> Index:
         """Return the cell that a walk enters across the facet opposite to each corner.
 
-        `Facets.neighbour`, and where that has none, the cell in which the last point that was lost
-        there lay: cells do not meet at whole facets around a sliver that was taken out.
+        Its neighbour, and where it has none, the cell in which the last point that was lost there
+        lay: cells do not meet at whole facets around a sliver that was taken out.
         """
-        return self.facets.neighbour.copy()
+        return facets(self.cells, over_slivers=False).neighbour
 
     def _reference(self, xyz: Array, cell: Index) -> Array:
         """Return the barycentric coordinates (n, d) of points in their cells, inside or not."""

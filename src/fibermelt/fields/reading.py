@@ -481,7 +481,7 @@ def _merged(raw: _Raw, notes: list[str]) -> _Raw:
     if not len(pairs):
         return raw
     place = _components(pairs, n)[raw.cells]
-    opposite = facets(place).neighbour
+    opposite = facets(place, over_slivers=False).neighbour
     cell, corner = np.nonzero(opposite > np.arange(len(opposite))[:, None])
     other = opposite[cell, corner]
     k = raw.cells.shape[1]

@@ -53,28 +53,72 @@ class Facets:
 
 def _keys(nodes: Index, count: int) -> Index:
     """Return one number for each row of sorted node numbers, the same for the same rows."""
-    width = nodes.shape[1]
-    if count**width < 2**63:
-        key = nodes[:, 0].astype(np.int64)
-        for column in range(1, width):
-            key = key * count + nodes[:, column]
-        return np.asarray(key)
-    return np.asarray(np.unique(nodes, axis=0, return_inverse=True)[1]).reshape(-1)
+    key, most = nodes[:, 0].astype(np.int64), count
+    for column in nodes.T[1:]:
+        if most * count >= 2**63:
+            key = np.unique(key, return_inverse=True)[1].reshape(-1)
+            most = int(key.max(initial=0)) + 1
+        key, most = key * count + column, most * count
+    return np.asarray(key)
 
 
-def facets(cells: Index) -> Facets:
-    """Return how cells (m, k), triangles or tetrahedra, lie together."""
+def facets(cells: Index, *, over_slivers: bool = True) -> Facets:
+    """Return how cells (m, k), triangles or tetrahedra, lie together.
+
+    Around a sliver that was taken out they do not meet at whole facets, and yet there is no
+    boundary: each of its facets leads to the cell behind the next one, which is across it after
+    three at most. Unless ``over_slivers``, these facets count as boundary.
+    """
     m, k = cells.shape
+    count = int(cells.max(initial=0)) + 1
     corners = [[j for j in range(k) if j != i] for i in range(k)]
     opposite = cells[:, corners].reshape(-1, k - 1)
-    key = _keys(np.sort(opposite, axis=1), int(cells.max(initial=0)) + 1)
+    key = _keys(np.sort(opposite, axis=1), count)
     order = np.argsort(key, kind="stable")
     same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
     neighbour = np.full(m * k, -1, dtype=np.int64)
     first, second = order[same], order[same + 1]
     neighbour[first], neighbour[second] = second // k, first // k
-    alone = neighbour < 0
-    return Facets(neighbour.reshape(m, k), opposite[alone], cells.reshape(-1)[alone])
+    if over_slivers:
+        alone = np.flatnonzero(neighbour < 0)
+        around = alone[_holes(opposite[alone], count)]
+        around = around[np.ptp(around // k, axis=1) > 0]  # not around a cell that is all there is
+        neighbour[around] = np.roll(around, 1, axis=1) // k
+    outer = neighbour < 0
+    return Facets(neighbour.reshape(m, k), opposite[outer], cells.reshape(-1)[outer])
+
+
+def _holes(boundary: Index, count: int) -> Index:
+    """Return the facets (h, k) around each hole in the shape of a single cell, by their numbers.
+
+    Of ``boundary`` (b, k - 1) on so many nodes; a hole's facets are all those between its k nodes.
+    """
+    width = boundary.shape[1]
+    boundary = np.sort(boundary, axis=1)
+    rest = [[j for j in range(width) if j != i] for i in range(width)]
+    key = _keys(boundary[:, rest].reshape(-1, width - 1), count)
+    order = np.argsort(key, kind="stable")
+    pairs, lag = [np.empty((0, 2), dtype=np.int64)], 1
+    while True:
+        same = np.flatnonzero(key[order[lag:]] == key[order[:-lag]])
+        if not same.size:
+            break
+        pairs.append(np.stack([order[same], order[same + lag]], axis=1))
+        lag += 1
+    pair = np.concatenate(pairs)
+    # of two facets that share all nodes but one: those of the first, and the second's own
+    facet, place = pair // width, pair % width
+    own = boundary[facet[:, 1], place[:, 1]]
+    nodes = np.sort(np.column_stack([boundary[facet[:, 0]], own]), axis=1)
+    key = _keys(nodes, count)
+    order = np.argsort(key, kind="stable")
+    start = np.flatnonzero(np.diff(key[order], prepend=-1))
+    number = np.diff(np.append(start, len(order)))
+    many = width * (width + 1) // 2
+    whole = start[number == many]
+    among = order[whole[:, None] + np.arange(many)]
+    found = np.sort(facet[among].reshape(len(whole), 2 * many), axis=1)
+    return found[:, ::width]  # each facet is in one pair with each of the others
 
 
 def signed_sizes(points: Array, cells: Index) -> Array:

@@ -59,7 +59,7 @@ PART = Part(
             f"{HERE}.strand:strand_stage",
             estimates=f"{HERE}.strand:strand_estimates",
         ),
-        Stage("field", 4, ("field",), (), f"{HERE}.imported:field_stage"),
+        Stage("field", 5, ("field",), (), f"{HERE}.imported:field_stage"),
         Stage(
             "streamlines",
             5,
