@@ -145,7 +145,9 @@ def test_a_signal_to_end_leaves_nothing_behind(tmp_path, scratch, number, code):
         (os.killpg if number == signal.SIGHUP else os.kill)(running.pid, number)
         _, complaints = running.communicate(timeout=PATIENCE)
     assert running.returncode == code
-    assert complaints.splitlines()[-1].startswith("interrupted: finished cases are kept")
+    # Python's own tracker of semaphores may complain after us, of those that workers ended with.
+    told = complaints.splitlines()
+    assert any(one.startswith("interrupted: finished cases are kept") for one in told)
     assert not any(map(is_alive, workers(tmp_path)))
     assert scratch() == []
 

@@ -26,7 +26,8 @@ CAPILLARY = 3e-3
 PLATES = [
     p
     for p in FIGURES
-    if p.needs.split()[0] in {"extreme", "orientation", "void_margin"} and "field" not in p.needs
+    if p.needs.split()[0] in {"extreme", "orientation", "void_margin"}
+    and not {"field_notes", "strand_cells"} & {*p.needs.split()}
 ]
 """The figures of the parts bead, orientation and voids."""
 
