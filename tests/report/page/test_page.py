@@ -265,10 +265,13 @@ def test_the_moving_figure_shows_paths_of_any_flow() -> None:
     results = case("paths in space")
     data = json.loads(moving_data(results))
     for row, line in enumerate(data["lines"]):
-        ends = [1e5 * float(results[name][row, -1]) for name in "xyz"]
+        ends = [float(results[name][row, -1]) / data["steps"]["length"] for name in "xyz"]
         assert [line[name][-1] for name in "xyz"] == pytest.approx(ends, abs=0.5)
         assert line["zones"] == []
     assert data["scene"] == {"edges": []}
+    small = json.loads(moving_data(results.assign({n: 1e-3 * results[n] for n in "xyz"})))
+    assert small["steps"]["length"] == pytest.approx(1e-3 * data["steps"]["length"])
+    assert small["lines"][0]["z"] == data["lines"][0]["z"]
     corners = np.array([[0.0, 0.0, 0.0], [2e-3, 0.0, 0.0], [0.0, 2e-3, 0.0], [0.0, 0.0, 2e-3]])
     body = results.assign(
         field_points=(("field_node", "space"), corners),

@@ -6,7 +6,11 @@
   const COLORS = ["var(--one)", "var(--two)", "var(--three)"];
   const NEAR = 24; // pixels from a streamline that still pick it
   const DEEP = 0.1; // MPa below the vapor pressure at which the red is full
-  const VAPOR = data.vapor === null ? null : data.vapor / 1e3; // MPa above the atmosphere
+  const VAPOR = data.vapor; // MPa above the atmosphere, or null
+  // A whole number in mm, s, MPa, and the digits that tell one from the next.
+  const STEP = { mm: 1e3 * data.steps.length, s: data.steps.time, MPa: 1e-6 * data.steps.pressure };
+  const digits = (step) => Math.max(0, Math.round(-Math.log10(step)));
+  const DIGITS = { mm: digits(STEP.mm), s: Math.max(0, digits(STEP.s) - 1), MPa: digits(STEP.MPa) };
   const WORD = document.querySelector("label[for=pick-line]").textContent.toLowerCase();
   const WAY = 7000; // milliseconds that a fiber takes when it is played
 
@@ -14,21 +18,21 @@
   const lines = data.lines.map((line) => ({
     number: line.n,
     near: line.near,
-    time: line.t.map((v) => v / 1e4),
-    x: line.x.map((v) => v / 100),
-    y: line.y.map((v) => v / 100),
-    z: (line.z ?? line.x.map(() => 0)).map((v) => v / 100),
-    own: line.p.map((v) => v / 1e3),
+    time: line.t.map((v) => v * STEP.s),
+    x: line.x.map((v) => v * STEP.mm),
+    y: line.y.map((v) => v * STEP.mm),
+    z: (line.z ?? line.x.map(() => 0)).map((v) => v * STEP.mm),
+    own: line.p.map((v) => v * STEP.MPa),
     flow: line.d.map((v) => v / 10),
     climb: (line.de ?? line.d.map(() => 0)).map((v) => v / 10),
-    lowest: line.low.map((v, i) => (v + line.p[i]) / 1e3),
-    highest: line.high.map((v, i) => (v + line.p[i]) / 1e3),
-    zones: line.zones.map((v) => v / 1e4),
+    lowest: line.low.map((v, i) => (v + line.p[i]) * STEP.MPa),
+    highest: line.high.map((v, i) => (v + line.p[i]) * STEP.MPa),
+    zones: line.zones.map((v) => v * STEP.s),
     fibers: line.fibers.map((f) => ({
       angle: f.a.map((v) => v / 10),
       rise: (f.e ?? f.a.map(() => 0)).map((v) => v / 10),
-      low: f.low.map((v, i) => (v + line.p[i]) / 1e3),
-      high: f.high.map((v, i) => (v + line.p[i]) / 1e3),
+      low: f.low.map((v, i) => (v + line.p[i]) * STEP.MPa),
+      high: f.high.map((v, i) => (v + line.p[i]) * STEP.MPa),
     })),
   }));
   const SPACE = "z" in data.lines[0]; // paths in space: seen from a side that can be turned
@@ -158,7 +162,7 @@
         draw([points[i - 1], points[i]], { stroke: "var(--below)", "stroke-width": 4, "stroke-opacity": strength, "stroke-linecap": strength < 1 ? "butt" : "round" });
       }
     }
-    const millimetres = [100, 50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1].find((bar) => bar <= (right - left) / 3) ?? 0.1;
+    const millimetres = [100, 50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01].find((bar) => bar <= (right - left) / 3) ?? 0.01;
     const corner = [width - 12 - millimetres * scale, 16];
     element("path", { d: `M${corner[0]} ${corner[1]}h${millimetres * scale}`, stroke: "var(--ink)", "stroke-width": 2 }, svg);
     text(svg, corner[0] + (millimetres * scale) / 2, corner[1] + 14, `${millimetres} mm`, { "text-anchor": "middle" });
@@ -218,7 +222,7 @@
   let follow = () => {};
   const drawCharts = () => {
     const one = line(), own = fiber();
-    const low = Math.min(0, ...one.lowest), high = Math.max(0.05, ...one.highest);
+    const low = Math.min(0, ...one.lowest), high = Math.max(50 * STEP.MPa, ...one.highest);
     const room = 0.06 * (high - low);
     const first = chart(pressureBox, 230, low - room, high + room, "pressure [MPa]");
     const band = [...one.highest.map((v, i) => [first.X(one.time[i]), first.Y(v)]),
@@ -281,12 +285,12 @@
     follow(where);
     slider.value = Math.round((1000 * state.time) / end);
     const told = {
-      time: `${words(state.time, 3)} s`,
-      place: `${spot.slice(0, SPACE ? 3 : 2).map((v) => words(v, 2)).join(", ")} mm`,
-      own: `${words(value(one.own, where), 3)} MPa`,
-      low: `${words(low, 3)} MPa`,
-      high: `${words(value(own.high, where), 3)} MPa`,
-      bounds: `${words(value(one.lowest, where), 3)} to ${words(value(one.highest, where), 3)} MPa`,
+      time: `${words(state.time, DIGITS.s)} s`,
+      place: `${spot.slice(0, SPACE ? 3 : 2).map((v) => words(v, DIGITS.mm)).join(", ")} mm`,
+      own: `${words(value(one.own, where), DIGITS.MPa)} MPa`,
+      low: `${words(low, DIGITS.MPa)} MPa`,
+      high: `${words(value(own.high, where), DIGITS.MPa)} MPa`,
+      bounds: `${words(value(one.lowest, where), DIGITS.MPa)} to ${words(value(one.highest, where), DIGITS.MPa)} MPa`,
       angle: OUT ? `${words(value(own.toFlow, where), 1)}°` : `${words(turned(angle), 1)}°, ${words(turned(angle - value(one.flow, where)), 1)}°`,
     };
     for (const [name, content] of Object.entries(told)) at(`out-${name}`).textContent = content;
@@ -299,7 +303,7 @@
     drawScene();
     drawCharts();
     const k = deepest();
-    at("out-deepest").textContent = `${words(fiber().low[k], 3)} MPa at ${words(line().time[k], 3)} s`;
+    at("out-deepest").textContent = `${words(fiber().low[k], DIGITS.MPa)} MPa at ${words(line().time[k], DIGITS.s)} s`;
     at("near").hidden = !line().near;
     at("start-shown").textContent = data.starts[state.start];
     at("pick-start").setAttribute("aria-valuetext", data.starts[state.start]);

@@ -3,7 +3,8 @@
 Any paths will do: streamlines in a bead, or those of a flow from elsewhere, in a plane or in space.
 
 Lengths are in hundredths of a millimetre, times in tenths of a millisecond, pressures in
-kilopascals, angles in tenths of a degree: finer than a screen shows, and short to write.
+kilopascals, angles in tenths of a degree: finer than a screen shows, and short to write. What is
+smaller than a bead is told in steps that are as much finer.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from fibermelt.parts.bead.figures.paths import field_edges
 from fibermelt.parts.flow.figures.judged import vapor_above_air
 from fibermelt.parts.flow.figures.lines import evenly, features, line_word
 from fibermelt.report.kit.drawing import METAL_THICKNESS
-from fibermelt.report.kit.scene import MM, MPA, Window, read_scene
+from fibermelt.report.kit.scene import MM, Window, read_scene
 from fibermelt.report.kit.style import Array
 
 if TYPE_CHECKING:
@@ -31,8 +32,14 @@ __all__ = ["Moving", "moving_data", "moving_figure"]
 NEEDS = frozenset({"lowest", "bound_lowest", "near_singularity"})
 """Variables that results of fibers along paths have."""
 
-LENGTH, TIME, PRESSURE, ANGLE = 1e5, 1e4, 1e-3, 1800.0 / np.pi
-"""From SI to the page's whole numbers."""
+STEPS = {"length": 1e-5, "time": 1e-4, "pressure": 1e3}
+"""What a whole number of the page stands for, at most [SI]."""
+
+FEWEST_STEPS = 500
+"""Steps of the largest length, time and pressure, at least."""
+
+ANGLE = 1800.0 / np.pi
+"""From radians to the page's whole numbers."""
 
 MOST_LINES, MOST_ANGLES, MOST_POINTS = 30, 13, 120
 """Streamlines, initial angles and points that are shown of however many there are."""
@@ -129,15 +136,16 @@ def moving_data(results: xr.Dataset) -> str:
     most = MOST_IN_SPACE if "elevation" in results else MOST_LINES
     rows = sorted({*evenly(results.sizes["streamline"], most), *marked})
     colors = {feature.number: k for k, feature in enumerate(marked.values())}
-    vapor = vapor_above_air(results)
+    vapor, steps = vapor_above_air(results), _steps(results)
     data = {
         "scene": _bead(results) if "node_x" in results else _around(results),
-        "vapor": None if vapor is None else round(PRESSURE / MPA * vapor),
+        "steps": steps,
+        "vapor": None if vapor is None else round(vapor, 6),
         "ratio": float(results["aspect_ratio"]),
         "starts": [_start(results, k) for k in starts],
         "zones": results["zone"].to_numpy().tolist() if "zone_time" in results else [],
         "marked": colors,
-        "lines": [_line(results, row, starts) for row in rows],
+        "lines": [_line(results, row, starts, steps) for row in rows],
         "picked": _in_the_middle(results, rows, list(marked)),
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
@@ -161,9 +169,24 @@ def _whole(values: Array, scale: float) -> list[int]:
     return [int(value) for value in np.rint(scale * values)]
 
 
-def _line(results: xr.Dataset, row: int, starts: list[int]) -> dict[str, Any]:
+def _steps(results: xr.Dataset) -> dict[str, float]:
+    """Return what whole numbers stand for [SI]: powers of ten."""
+    of = {"length": "xyz", "time": ("time",), "pressure": ("pressure", "lowest", "highest")}
+    found = {}
+    for kind, names in of.items():
+        largest = max(float(np.abs(results[name]).max()) for name in names if name in results)
+        finest = largest / FEWEST_STEPS
+        power = 10.0 ** np.floor(np.log10(finest)) if finest > 0.0 else np.inf
+        found[kind] = float(min(STEPS[kind], power))
+    return found
+
+
+def _line(
+    results: xr.Dataset, row: int, starts: list[int], steps: Mapping[str, float]
+) -> dict[str, Any]:
     """Return one path and the fibers on it."""
     keep = _points(results, row)
+    length, time, pressure = (1.0 / steps[kind] for kind in ("length", "time", "pressure"))
 
     def along(name: str, scale: float) -> list[int]:
         return _whole(results[name].to_numpy()[row, keep], scale)
@@ -172,20 +195,20 @@ def _line(results: xr.Dataset, row: int, starts: list[int]) -> dict[str, Any]:
         return [_whole(one, scale) for one in results[name].to_numpy()[row][starts][:, keep]]
 
     u, v, *w = (results[name].to_numpy()[row, keep] for name in "uvw" if name in results)
-    kinds = {"a": ("angle", ANGLE), "low": ("lowest", PRESSURE), "high": ("highest", PRESSURE)}
+    kinds = {"a": ("angle", ANGLE), "low": ("lowest", pressure), "high": ("highest", pressure)}
     if "elevation" in results:
         kinds["e"] = ("elevation", ANGLE)
     fibers = {kind: of_fibers(*what) for kind, what in kinds.items()}
     line: dict[str, Any] = {
         "n": int(results["streamline"][row]),
         "near": bool(results["near_singularity"][row]),
-        "t": along("time", TIME),
-        **{name: along(name, LENGTH) for name in "xyz" if name in results},
-        "p": along("pressure", PRESSURE),
+        "t": along("time", time),
+        **{name: along(name, length) for name in "xyz" if name in results},
+        "p": along("pressure", pressure),
         "d": _whole(np.arctan2(v, u), ANGLE),
-        "low": along("bound_lowest", PRESSURE),
-        "high": along("bound_highest", PRESSURE),
-        "zones": _whole(results["zone_time"].to_numpy()[row], TIME)
+        "low": along("bound_lowest", pressure),
+        "high": along("bound_highest", pressure),
+        "zones": _whole(results["zone_time"].to_numpy()[row], time)
         if "zone_time" in results
         else [],
         "fibers": [{kind: fibers[kind][k] for kind in kinds} for k in range(len(starts))],
