@@ -152,7 +152,7 @@ def figure_history(results: xr.Dataset) -> Figure:
     around = AROUND if _is_known(results) else 0.0
     figure = new_figure(FULL, 66 + around)
     for k, side in enumerate(STARTS):
-        axes = add_axes(figure, 14 + 94 * k, 10 + around, 79, 45)
+        axes = add_axes(figure, 15 + 94 * k, 10 + around, 78, 45)
         _panel(axes, results, side)
         name = f"{'ab'[k]}  {side} pressure, initial angle {_degrees(results, side):g}°"
         letter(axes, name.replace("-", "−"), inside=True)
