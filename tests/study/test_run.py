@@ -91,6 +91,7 @@ def test_the_summary(finished):
         "elements",
         "lowest_viscosity",
         "highest_rate",
+        "error_estimate",
         "outside_law",
     }
     assert [line["index"] for line in summary["streamlines"]] == [1, 2, 3, 4]
